@@ -1,0 +1,201 @@
+//! Which instructions the processor has, and how a kernel is compiled once for each set of them.
+//!
+//! Kernels are plain loops over slices and fixed-length arrays that the compiler turns into vector
+//! code. [`at_every_level!`] compiles such a body once per [`Level`] and gives one safe entry that
+//! takes the level as its first argument. A [`Level`] can only be had from [`Level::detect`],
+//! [`Level::available`] or [`Level::chosen`], all of which ask the processor, so holding one is
+//! proof that its instructions exist: this is the argument for the only `unsafe` of the crate, in
+//! that macro.
+
+use std::fmt;
+use std::sync::OnceLock;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Set {
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Sse42,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    #[cfg(target_arch = "aarch64")]
+    Neon,
+}
+
+/// A set of vector instructions that this processor is known to have.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Level(Set);
+
+impl fmt::Debug for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Level {
+    /// Every level that this processor has, the plainest first.
+    pub fn available() -> Vec<Level> {
+        let mut levels = vec![Level(Set::Scalar)];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("sse4.2") && is_x86_feature_detected!("popcnt") {
+                levels.push(Level(Set::Sse42));
+            }
+            if is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("lzcnt")
+                && levels.len() == 2
+            {
+                levels.push(Level(Set::Avx2));
+            }
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512cd")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512vbmi")
+                && is_x86_feature_detected!("avx512vnni")
+                && is_x86_feature_detected!("avx512bitalg")
+                && is_x86_feature_detected!("avx512vpopcntdq")
+                && levels.len() == 3
+            {
+                levels.push(Level(Set::Avx512));
+            }
+        }
+        #[cfg(target_arch = "aarch64")]
+        if std::arch::is_aarch64_feature_detected!("neon") {
+            levels.push(Level(Set::Neon));
+        }
+        levels
+    }
+
+    /// The best level of this processor.
+    pub fn detect() -> Level {
+        static BEST: OnceLock<Level> = OnceLock::new();
+        *BEST.get_or_init(|| *Level::available().last().expect("scalar is always there"))
+    }
+
+    /// The level that `HAZCAM_CPU` names, or the best one without it. Errors name the levels that
+    /// this processor has.
+    pub fn chosen() -> Result<Level, crate::MatchError> {
+        match std::env::var("HAZCAM_CPU") {
+            Err(_) => Ok(Level::detect()),
+            Ok(name) => Level::available().into_iter().find(|l| l.name() == name).ok_or_else(|| {
+                let names: Vec<_> = Level::available().iter().map(|l| l.name()).collect();
+                crate::MatchError::Option {
+                    field: "HAZCAM_CPU",
+                    value: format!("`{name}`"),
+                    allowed: format!("this processor has {}", names.join(", ")),
+                }
+            }),
+        }
+    }
+
+    /// The name used by `HAZCAM_CPU` and in reports.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Set::Scalar => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Set::Sse42 => "sse4.2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "avx512",
+            #[cfg(target_arch = "aarch64")]
+            Set::Neon => "neon",
+        }
+    }
+
+    pub(crate) fn set(self) -> Set {
+        self.0
+    }
+}
+
+/// Defines functions whose first argument is a [`Level`] and whose body is compiled once for every
+/// level. Everything the body calls must be `#[inline(always)]` to be compiled along with it.
+macro_rules! at_every_level {
+    ($(
+        $(#[$meta:meta])*
+        $vis:vis fn $name:ident $(<$(const $g:ident : $gt:ty),+>)? ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)? $body:block
+    )*) => {$(
+        $(#[$meta])*
+        #[allow(unsafe_code, clippy::too_many_arguments)]
+        $vis fn $name $(<$(const $g: $gt),+>)? (level: $crate::kernels::level::Level, $($arg: $ty),*) $(-> $ret)? {
+            #[inline(always)]
+            #[allow(clippy::too_many_arguments)]
+            fn body $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? $body
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "sse4.2,popcnt")]
+            #[allow(clippy::too_many_arguments)]
+            fn sse42 $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
+                body $(::<$($g),+>)? ($($arg),*)
+            }
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,fma,lzcnt,popcnt")]
+            #[allow(clippy::too_many_arguments)]
+            fn avx2 $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
+                body $(::<$($g),+>)? ($($arg),*)
+            }
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,fma,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vnni,avx512bitalg,avx512vpopcntdq")]
+            #[allow(clippy::too_many_arguments)]
+            fn avx512 $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
+                body $(::<$($g),+>)? ($($arg),*)
+            }
+
+            #[cfg(target_arch = "aarch64")]
+            #[target_feature(enable = "neon")]
+            #[allow(clippy::too_many_arguments)]
+            fn neon $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
+                body $(::<$($g),+>)? ($($arg),*)
+            }
+
+            // SAFETY: a `Level` exists only where the processor was asked and has its features.
+            match level.set() {
+                $crate::kernels::level::Set::Scalar => body $(::<$($g),+>)? ($($arg),*),
+                #[cfg(target_arch = "x86_64")]
+                $crate::kernels::level::Set::Sse42 => unsafe { sse42 $(::<$($g),+>)? ($($arg),*) },
+                #[cfg(target_arch = "x86_64")]
+                $crate::kernels::level::Set::Avx2 => unsafe { avx2 $(::<$($g),+>)? ($($arg),*) },
+                #[cfg(target_arch = "x86_64")]
+                $crate::kernels::level::Set::Avx512 => unsafe { avx512 $(::<$($g),+>)? ($($arg),*) },
+                #[cfg(target_arch = "aarch64")]
+                $crate::kernels::level::Set::Neon => unsafe { neon $(::<$($g),+>)? ($($arg),*) },
+            }
+        }
+    )*};
+}
+pub(crate) use at_every_level;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    at_every_level! {
+        /// Adds up bytes.
+        fn sum<const N: usize>(samples: &[u8; N], start: u32) -> u32 {
+            samples.iter().fold(start, |s, &v| s + u32::from(v))
+        }
+    }
+
+    #[test]
+    fn a_kernel_runs_at_every_level_that_the_machine_has() {
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            assert_eq!(sum(level, &[1u8; 100], 3), 103);
+        }
+    }
+
+    #[test]
+    fn levels_are_ordered_and_the_best_is_the_last() {
+        let levels = Level::available();
+        assert!(levels.is_sorted());
+        assert_eq!(Some(&Level::detect()), levels.last());
+    }
+}

@@ -1,0 +1,4 @@
+//! What must be quick. One file per kernel: the scalar definition, the body that the compiler
+//! vectorises, and the test that they agree bit for bit at every level of the processor.
+
+pub mod level;

@@ -1,0 +1,43 @@
+//! Dense stereo matching, arranged by the taxonomy of Scharstein & Szeliski (IJCV 2002).
+//!
+//! A pair of rectified images goes through the stages in this order; each folder is one stage and
+//! each file in it one method:
+//!
+//! | stage | what it does |
+//! | --- | --- |
+//! | `prepare` | grey images, census words, descriptors: what costs are computed from |
+//! | `cost` | how badly left `(x, y)` and right `(x - d, y)` fit, per disparity `d` |
+//! | `aggregation` | costs summed over a support region |
+//! | `optimization` | a disparity per pixel that is also smooth: paths, planes |
+//! | `selection` | the winner, its fraction of a pixel, and the check against the right view |
+//! | `refinement` | outliers out, occlusions filled, edges sharpened, confidence |
+//!
+//! A *preset* strings stages together for one purpose: [`Preset::Fast`], [`Preset::Balanced`],
+//! [`Preset::Best`]. `kernels` holds what must be quick.
+//!
+//! ```
+//! use matching::{Matcher, Options, Preset};
+//! use raster::{DisparityRange, Image, Plane};
+//!
+//! // A ramp that the right camera sees 2 pixels further left.
+//! let texture = |x: usize| ((x * x * 7 + x * 13) % 251) as u8;
+//! let left = Image::Grey8(Plane::from_fn(40, 20, |x, _| texture(x)));
+//! let right = Image::Grey8(Plane::from_fn(40, 20, |x, _| texture(x + 2)));
+//!
+//! let range = DisparityRange::new(0, 8)?;
+//! let mut matcher = Matcher::new(Options::new(Preset::Fast, range))?;
+//! let map = matcher.compute(&left, &right, None)?;
+//! assert!((map.values.row(10)[20] - 2.0).abs() < 0.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod kernels;
+mod matcher;
+mod options;
+mod presets;
+
+pub use error::MatchError;
+pub use kernels::level::Level;
+pub use matcher::Matcher;
+pub use options::{Holes, Options, Preset};

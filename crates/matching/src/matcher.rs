@@ -1,0 +1,92 @@
+//! [`Matcher`]: built once from [`Options`], then fed frames.
+
+use raster::{BoundingBox, DisparityMap, DisparityRange, Image};
+
+use crate::presets;
+use crate::{Holes, MatchError, Options};
+
+/// One pair of images with everything that is asked of it, checked: equal sizes, at least one
+/// pixel, a box inside the image.
+pub(crate) struct Frame<'a> {
+    pub left: &'a Image,
+    pub right: &'a Image,
+    pub bounds: BoundingBox,
+    pub range: DisparityRange,
+    pub holes: Holes,
+}
+
+impl Frame<'_> {
+    /// `(columns, rows)` of both images.
+    pub fn size(&self) -> (usize, usize) {
+        self.left.size()
+    }
+}
+
+/// A preset's stages with their scratch memory. It runs inside the matcher's own thread pool, so
+/// `rayon`'s parallel iterators use the threads that the options allow.
+pub(crate) trait Pipeline: Send {
+    /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
+    fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError>;
+}
+
+/// Matches pairs of images. It keeps its memory between frames: equal sizes allocate nothing
+/// after the first.
+pub struct Matcher {
+    options: Options,
+    pool: rayon::ThreadPool,
+    pipeline: Box<dyn Pipeline>,
+    map: DisparityMap,
+}
+
+impl Matcher {
+    /// Checks the options and prepares the stages.
+    pub fn new(options: Options) -> Result<Self, MatchError> {
+        options.check()?;
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(options.threads).build().map_err(|e| {
+                MatchError::Option {
+                    field: "threads",
+                    value: options.threads.to_string(),
+                    allowed: format!("the system could not start them ({e}); ask for fewer"),
+                }
+            })?;
+        let pipeline = presets::pipeline(&options);
+        Ok(Self { options, pool, pipeline, map: DisparityMap::default() })
+    }
+
+    /// The options it was built from.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// The disparity of every pixel in `bounds` (the whole image without one), in pixels of the
+    /// left image. Colour images are matched as grey.
+    pub fn compute(
+        &mut self,
+        left: &Image,
+        right: &Image,
+        bounds: Option<BoundingBox>,
+    ) -> Result<&DisparityMap, MatchError> {
+        let ((columns, rows), (right_columns, right_rows)) = (left.size(), right.size());
+        if (columns, rows) != (right_columns, right_rows) {
+            let (left_columns, left_rows) = (columns, rows);
+            return Err(MatchError::SizesDiffer {
+                left_columns,
+                left_rows,
+                right_columns,
+                right_rows,
+            });
+        }
+        if columns == 0 || rows == 0 {
+            return Err(MatchError::NoPixels);
+        }
+        let bounds = bounds.unwrap_or(BoundingBox::whole(columns, rows));
+        bounds.check_within(columns, rows)?;
+        let (range, holes) = (self.options.range, self.options.holes);
+        let frame = Frame { left, right, bounds, range, holes };
+        self.map.reset(columns, rows);
+        let (pipeline, map) = (&mut self.pipeline, &mut self.map);
+        self.pool.install(|| pipeline.run(&frame, map))?;
+        Ok(&self.map)
+    }
+}

@@ -1,0 +1,112 @@
+//! What to match with: one struct for every preset.
+
+use std::fmt;
+use std::str::FromStr;
+
+use raster::DisparityRange;
+
+use crate::MatchError;
+
+/// A string of stages for one purpose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Preset {
+    /// Fixed square window, sum of absolute differences, winner takes all.
+    Fast,
+    /// Semi-global matching in real time.
+    Balanced,
+    /// Accuracy first.
+    Best,
+}
+
+impl Preset {
+    /// Every preset, from the quickest to the most accurate.
+    pub const ALL: [Preset; 3] = [Preset::Fast, Preset::Balanced, Preset::Best];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Balanced => "balanced",
+            Self::Best => "best",
+        }
+    }
+
+    /// The algorithm in a few short lines with its sources (Markdown).
+    pub fn explanation(self) -> &'static str {
+        crate::presets::explanation(self)
+    }
+}
+
+impl fmt::Display for Preset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Preset {
+    type Err = MatchError;
+
+    fn from_str(text: &str) -> Result<Self, MatchError> {
+        Self::ALL.into_iter().find(|p| p.name() == text).ok_or_else(|| MatchError::Option {
+            field: "matcher",
+            value: format!("`{text}`"),
+            allowed: "it must be one of fast, balanced, best".into(),
+        })
+    }
+}
+
+/// What becomes of pixels without a trustworthy match.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Holes {
+    /// Every pixel in the box gets a value; its reason says how.
+    #[default]
+    Fill,
+    /// They stay without a value; their reason says why.
+    Keep,
+}
+
+/// What to match with. Built by [`Options::new`], then changed field by field.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// Which stages.
+    pub preset: Preset,
+    /// The disparities to search, in pixels.
+    pub range: DisparityRange,
+    /// Fill pixels without a match, or leave them.
+    pub holes: Holes,
+    /// Threads to use, at least 1. The answer does not depend on it.
+    pub threads: usize,
+}
+
+impl Options {
+    /// The preset's own parameters, holes filled, one thread per core.
+    pub fn new(preset: Preset, range: DisparityRange) -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        Self { preset, range, holes: Holes::Fill, threads }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), MatchError> {
+        if self.threads == 0 || self.threads > 1024 {
+            return Err(MatchError::Option {
+                field: "threads",
+                value: self.threads.to_string(),
+                allowed: "it must be from 1 to 1024".into(),
+            });
+        }
+        // Disparities are kept as 16-bit whole numbers inside; images wider than this do not exist.
+        let limit = i32::from(i16::MAX) / 2;
+        for (field, value) in
+            [("min-disparity", self.range.min()), ("max-disparity", self.range.max())]
+        {
+            if value.abs() > limit {
+                return Err(MatchError::Option {
+                    field,
+                    value: value.to_string(),
+                    allowed: format!("it must be from -{limit} to {limit} pixels"),
+                });
+            }
+        }
+        Ok(())
+    }
+}

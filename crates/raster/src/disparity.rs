@@ -1,0 +1,118 @@
+//! What a matcher answers: per pixel a disparity, the reason for it, and how sure it is.
+
+use crate::Plane;
+
+/// Why a pixel has the value it has, or none. Stored as one byte per pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[repr(u8)]
+pub enum Reason {
+    /// Outside the box that was asked for: no value.
+    #[default]
+    OutsideBox = 0,
+    /// Found in the right image and confirmed by every check that the matcher makes.
+    Matched = 1,
+    /// Seen by the left camera only (hidden by something nearer in the right image); filled from
+    /// the background.
+    OccludedFilled = 2,
+    /// The match was wrong or ambiguous; filled from its surroundings.
+    MismatchedFilled = 3,
+    /// The match lies outside the right image; extrapolated from where both cameras see.
+    OutsideRightFilled = 4,
+    /// As [`Reason::OccludedFilled`], but left without a value because holes were asked for.
+    OccludedHole = 5,
+    /// As [`Reason::MismatchedFilled`], but left without a value because holes were asked for.
+    MismatchedHole = 6,
+    /// As [`Reason::OutsideRightFilled`], but left without a value because holes were asked for.
+    OutsideRightHole = 7,
+}
+
+impl Reason {
+    /// Every reason, in the order of its byte.
+    pub const ALL: [Reason; 8] = [
+        Reason::OutsideBox,
+        Reason::Matched,
+        Reason::OccludedFilled,
+        Reason::MismatchedFilled,
+        Reason::OutsideRightFilled,
+        Reason::OccludedHole,
+        Reason::MismatchedHole,
+        Reason::OutsideRightHole,
+    ];
+
+    /// A name for tables and files, in lower case with hyphens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OutsideBox => "outside-box",
+            Self::Matched => "matched",
+            Self::OccludedFilled => "occluded-filled",
+            Self::MismatchedFilled => "mismatched-filled",
+            Self::OutsideRightFilled => "outside-right-filled",
+            Self::OccludedHole => "occluded-hole",
+            Self::MismatchedHole => "mismatched-hole",
+            Self::OutsideRightHole => "outside-right-hole",
+        }
+    }
+
+    /// The reason with this byte, or `None`.
+    pub fn from_byte(byte: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(byte)).copied()
+    }
+
+    /// Whether a pixel with this reason has a value.
+    pub fn has_value(self) -> bool {
+        matches!(
+            self,
+            Self::Matched | Self::OccludedFilled | Self::MismatchedFilled | Self::OutsideRightFilled
+        )
+    }
+}
+
+/// A disparity per pixel of the left image, with its reason and confidence. All planes have the
+/// size of the left image.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DisparityMap {
+    /// Disparity in pixels, `x_right = x_left - d`; NaN exactly where the reason has no value.
+    pub values: Plane<f32>,
+    /// Why the pixel has this value or none.
+    pub reasons: Plane<Reason>,
+    /// How likely the value is right, 0 (a guess) to 1 (sure); 0 where there is no value.
+    pub confidence: Plane<f32>,
+}
+
+impl DisparityMap {
+    /// A map without any value.
+    pub fn empty(columns: usize, rows: usize) -> Self {
+        Self {
+            values: Plane::filled(columns, rows, f32::NAN),
+            reasons: Plane::filled(columns, rows, Reason::OutsideBox),
+            confidence: Plane::filled(columns, rows, 0.0),
+        }
+    }
+
+    /// As [`DisparityMap::empty`], reusing the memory of this map.
+    pub fn reset(&mut self, columns: usize, rows: usize) {
+        self.values.reset(columns, rows, f32::NAN);
+        self.reasons.reset(columns, rows, Reason::OutsideBox);
+        self.confidence.reset(columns, rows, 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_survive_their_byte() {
+        for reason in Reason::ALL {
+            assert_eq!(Reason::from_byte(reason as u8), Some(reason));
+        }
+        assert_eq!(Reason::from_byte(8), None);
+    }
+
+    #[test]
+    fn an_empty_map_holds_no_value() {
+        let map = DisparityMap::empty(2, 2);
+        assert!(map.values.samples().iter().all(|v| v.is_nan()));
+        assert!(map.reasons.samples().iter().all(|r| !r.has_value()));
+    }
+}

@@ -1,0 +1,246 @@
+//! A rectangle of samples, owned ([`Plane`]) or borrowed ([`View`]).
+//!
+//! Rows are handed out as slices: loops run over slices, and no accessor per pixel stands in them.
+
+use std::fmt;
+
+/// The number of samples does not fit the size.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SizeError {
+    /// Columns asked for.
+    pub columns: usize,
+    /// Rows asked for.
+    pub rows: usize,
+    /// Samples given.
+    pub samples: usize,
+}
+
+impl fmt::Display for SizeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} samples do not make a plane of {} x {}: give exactly columns x rows samples",
+            self.samples, self.columns, self.rows
+        )
+    }
+}
+
+impl std::error::Error for SizeError {}
+
+/// Samples of type `T` in row order, without gaps between the rows.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Plane<T> {
+    columns: usize,
+    rows: usize,
+    samples: Vec<T>,
+}
+
+impl<T> Plane<T> {
+    /// Takes `samples` in row order. Errors when there are not exactly `columns * rows`.
+    pub fn new(columns: usize, rows: usize, samples: Vec<T>) -> Result<Self, SizeError> {
+        if columns.checked_mul(rows) == Some(samples.len()) {
+            Ok(Self { columns, rows, samples })
+        } else {
+            Err(SizeError { columns, rows, samples: samples.len() })
+        }
+    }
+
+    /// Computes every sample from its column and row, in row order.
+    pub fn from_fn(columns: usize, rows: usize, mut f: impl FnMut(usize, usize) -> T) -> Self {
+        let mut samples = Vec::with_capacity(columns * rows);
+        for y in 0..rows {
+            samples.extend((0..columns).map(|x| f(x, y)));
+        }
+        Self { columns, rows, samples }
+    }
+
+    /// Width in pixels.
+    #[inline]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Height in pixels.
+    #[inline]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// `(columns, rows)`.
+    #[inline]
+    pub fn size(&self) -> (usize, usize) {
+        (self.columns, self.rows)
+    }
+
+    /// All samples in row order.
+    #[inline]
+    pub fn samples(&self) -> &[T] {
+        &self.samples
+    }
+
+    /// All samples in row order.
+    #[inline]
+    pub fn samples_mut(&mut self) -> &mut [T] {
+        &mut self.samples
+    }
+
+    /// Gives the samples back, in row order.
+    pub fn into_samples(self) -> Vec<T> {
+        self.samples
+    }
+
+    /// Row `y` from left to right. Panics when `y >= rows`.
+    #[inline]
+    pub fn row(&self, y: usize) -> &[T] {
+        &self.samples[y * self.columns..][..self.columns]
+    }
+
+    /// Row `y` from left to right. Panics when `y >= rows`.
+    #[inline]
+    pub fn row_mut(&mut self, y: usize) -> &mut [T] {
+        &mut self.samples[y * self.columns..][..self.columns]
+    }
+
+    /// The whole plane, borrowed.
+    pub fn view(&self) -> View<'_, T> {
+        View {
+            samples: &self.samples,
+            columns: self.columns,
+            rows: self.rows,
+            stride: self.columns,
+        }
+    }
+
+    /// A plane of the same size with `f` applied to each sample.
+    pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> Plane<U> {
+        Plane {
+            columns: self.columns,
+            rows: self.rows,
+            samples: self.samples.iter().map(f).collect(),
+        }
+    }
+}
+
+impl<T: Clone> Plane<T> {
+    /// A plane with the same `value` everywhere.
+    pub fn filled(columns: usize, rows: usize, value: T) -> Self {
+        Self { columns, rows, samples: vec![value; columns * rows] }
+    }
+
+    /// Makes this a plane of `columns x rows` with the same `value` everywhere, and keeps its
+    /// memory: no allocation happens unless the plane grows past its largest size so far.
+    pub fn reset(&mut self, columns: usize, rows: usize, value: T) {
+        self.columns = columns;
+        self.rows = rows;
+        self.samples.clear();
+        self.samples.resize(columns * rows, value);
+    }
+}
+
+/// A rectangle of samples that belong to someone else, with `stride` samples from row to row.
+#[derive(Debug)]
+pub struct View<'a, T> {
+    samples: &'a [T],
+    columns: usize,
+    rows: usize,
+    stride: usize,
+}
+
+impl<T> Clone for View<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for View<'_, T> {}
+
+impl<'a, T> View<'a, T> {
+    /// Borrows `samples` as rows that begin `stride` samples apart.
+    ///
+    /// Errors when a row does not fit its stride or the last row does not fit the slice.
+    pub fn new(
+        columns: usize,
+        rows: usize,
+        stride: usize,
+        samples: &'a [T],
+    ) -> Result<Self, SizeError> {
+        let needed = match rows {
+            0 => Some(0),
+            _ => stride.checked_mul(rows - 1).and_then(|n| n.checked_add(columns)),
+        };
+        if columns <= stride && needed.is_some_and(|n| n <= samples.len()) {
+            Ok(Self { samples, columns, rows, stride })
+        } else {
+            Err(SizeError { columns, rows, samples: samples.len() })
+        }
+    }
+
+    /// Width in pixels.
+    #[inline]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Height in pixels.
+    #[inline]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Row `y` from left to right. Panics when `y >= rows`.
+    #[inline]
+    pub fn row(&self, y: usize) -> &'a [T] {
+        assert!(y < self.rows, "row {y} of a view with {} rows", self.rows);
+        &self.samples[y * self.stride..][..self.columns]
+    }
+}
+
+impl<T: Clone> View<'_, T> {
+    /// Copies the samples into a plane of their own.
+    pub fn to_plane(&self) -> Plane<T> {
+        let mut samples = Vec::with_capacity(self.columns * self.rows);
+        for y in 0..self.rows {
+            samples.extend_from_slice(self.row(y));
+        }
+        Plane { columns: self.columns, rows: self.rows, samples }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_slices_of_the_samples() {
+        let plane = Plane::new(3, 2, vec![1, 2, 3, 4, 5, 6]).unwrap();
+        assert_eq!(plane.row(0), [1, 2, 3]);
+        assert_eq!(plane.row(1), [4, 5, 6]);
+        assert_eq!(plane.view().row(1), [4, 5, 6]);
+    }
+
+    #[test]
+    fn a_wrong_number_of_samples_is_refused() {
+        let error = Plane::new(3, 2, vec![0u8; 5]).unwrap_err();
+        assert_eq!(error, SizeError { columns: 3, rows: 2, samples: 5 });
+        assert!(Plane::new(usize::MAX, 2, vec![0u8; 5]).is_err());
+    }
+
+    #[test]
+    fn a_view_skips_what_lies_between_its_rows() {
+        let samples = [1, 2, 9, 3, 4];
+        let view = View::new(2, 2, 3, &samples).unwrap();
+        assert_eq!(view.row(1), [3, 4]);
+        assert_eq!(view.to_plane().samples(), [1, 2, 3, 4]);
+        assert!(View::new(2, 3, 3, &samples).is_err());
+        assert!(View::new(4, 1, 3, &samples).is_err());
+    }
+
+    #[test]
+    fn reset_keeps_its_memory() {
+        let mut plane = Plane::filled(8, 8, 1u8);
+        let before = plane.samples().as_ptr();
+        plane.reset(4, 4, 7);
+        assert_eq!((plane.size(), plane.samples().as_ptr()), ((4, 4), before));
+        assert!(plane.samples().iter().all(|&s| s == 7));
+    }
+}
