@@ -1,2 +1,10 @@
-//! (being written)
-fn main() {}
+//! The `hazcam` command. What is typed is in `cli`, what it does in `commands`.
+#![forbid(unsafe_code)]
+
+mod cli;
+mod commands;
+mod ui;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -1,0 +1,154 @@
+//! What can be typed, and what the exit status says.
+//!
+//! To add a command: write `commands/NAME.rs` with
+//! `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: Args, ui: &Ui) ->
+//! anyhow::Result<ExitCode>`, declare it in `commands/mod.rs`, and add one line to the table in
+//! [`commands!`] below.
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::commands;
+use crate::ui::{StdoutClosed, Ui};
+
+/// Done, and nothing fell past a threshold: the status is 0.
+/// A threshold that was asked for failed: the status is this.
+pub const THRESHOLD_FAILED: u8 = 1;
+/// Nothing was done, or not all of it: the status is this.
+pub const ERROR: u8 = 2;
+
+const EXAMPLES: &str = "\
+Examples:
+  hazcam match left.png right.png -o disparity.pfm --max-disparity 64
+  hazcam score disparity.pfm truth.pfm --fail-over p_bad=0.05
+  hazcam demo
+
+Exit status: 0 done, 1 a threshold failed, 2 error.
+Data goes to stdout, messages to stderr. NO_COLOR is respected.";
+
+/// Dense stereo matching on a CPU: match, score, benchmark, grade
+#[derive(Parser)]
+#[command(name = "hazcam", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(arg_required_else_help = true, subcommand_required = true)]
+pub struct Cli {
+    /// Print no notes and no progress; warnings and errors stay
+    #[arg(short, long, global = true)]
+    quiet: bool,
+
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Declares the commands once: group in `--help`, variant, module. A command's name is the
+/// variant's in kebab-case, and its one-line description the doc comment of the module's `Args`.
+macro_rules! commands {
+    ($($group:literal { $($(#[$attribute:meta])* $variant:ident => $module:ident,)+ })+) => {
+        #[derive(Subcommand)]
+        enum Command {
+            $($($(#[$attribute])* $variant(commands::$module::Args),)+)+
+        }
+
+        impl Command {
+            /// The headings of `hazcam --help`, and how many commands stand under each.
+            const GROUPS: &[(&str, &[&str])] =
+                &[$(($group, &[$(stringify!($variant),)+])),+];
+
+            fn run(self, ui: &Ui) -> anyhow::Result<ExitCode> {
+                match self {
+                    $($(Self::$variant(args) => commands::$module::run(args, ui),)+)+
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    "Matching" {
+        Explain => explain,
+    }
+    "This installation" {
+        Doctor => doctor,
+        Completions => completions,
+        Man => man,
+    }
+}
+
+/// The whole command line, with the commands grouped in its help.
+pub fn command() -> clap::Command {
+    let command = Cli::command();
+    let template = format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}\x1b[1;4mOptions:\x1b[0m\n\
+         {{options}}{{after-help}}",
+        grouped(&command)
+    );
+    command.help_template(template)
+}
+
+/// The commands with their descriptions under the headings of [`Command::GROUPS`].
+fn grouped(command: &clap::Command) -> String {
+    let mut list = String::new();
+    // Variants and subcommands stand in the same order.
+    let mut subcommands = command.get_subcommands();
+    for (group, variants) in Command::GROUPS {
+        list.push_str(&format!("\x1b[1;4m{group}:\x1b[0m\n"));
+        for subcommand in subcommands.by_ref().take(variants.len()) {
+            if !subcommand.is_hide_set() {
+                let about = subcommand.get_about().map(ToString::to_string).unwrap_or_default();
+                list.push_str(&format!("  \x1b[1m{:<12}\x1b[0m {about}\n", subcommand.get_name()));
+            }
+        }
+        list.push('\n');
+    }
+    list
+}
+
+/// Reads the command line, runs the command, says what went wrong.
+pub fn main() -> ExitCode {
+    let cli = match command().try_get_matches().and_then(|m| from_matches(&m)) {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // Help and version are no errors. If nobody reads them, so be it.
+            let _ = usage.print();
+            return if usage.use_stderr() { ERROR.into() } else { ExitCode::SUCCESS };
+        }
+    };
+    let ui = Ui::new(cli.quiet);
+    match cli.command.run(&ui) {
+        Ok(status) => status,
+        Err(error) if error.is::<StdoutClosed>() => ExitCode::SUCCESS,
+        Err(error) => {
+            ui.error(&error);
+            ERROR.into()
+        }
+    }
+}
+
+fn from_matches(matches: &clap::ArgMatches) -> Result<Cli, clap::Error> {
+    <Cli as clap::FromArgMatches>::from_arg_matches(matches)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_and_option_has_help() {
+        for sub in command().get_subcommands() {
+            assert!(sub.get_about().is_some(), "`{}` has no description", sub.get_name());
+            for argument in sub.get_arguments() {
+                assert!(
+                    argument.get_help().is_some(),
+                    "`{} {}` has no help",
+                    sub.get_name(),
+                    argument.get_id()
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! `hazcam completions`: what the shell needs to complete commands and options.
+
+use std::process::ExitCode;
+
+use clap_complete::Shell;
+
+use crate::ui::Ui;
+
+/// Print the completion script of a shell
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  hazcam completions bash > ~/.local/share/bash-completion/completions/hazcam"
+)]
+pub struct Args {
+    /// Which shell
+    shell: Shell,
+}
+
+/// Prints the script.
+pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut crate::cli::command(), "hazcam", &mut script);
+    ui.write(&script)?;
+    Ok(ExitCode::SUCCESS)
+}

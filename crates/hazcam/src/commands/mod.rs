@@ -1,0 +1,13 @@
+//! One file per command, each with `Args` (what is typed, with its help) and `run`.
+
+pub mod completions;
+pub mod doctor;
+pub mod explain;
+pub mod man;
+
+use clap::builder::PossibleValuesParser;
+
+/// One of these names; a wrong one is answered with the list.
+pub fn choice<const N: usize>(names: [&'static str; N]) -> PossibleValuesParser {
+    PossibleValuesParser::new(names)
+}

@@ -1,0 +1,84 @@
+//! How the command speaks: data on stdout, everything else on stderr.
+//!
+//! Colour follows `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` and is left out when the stream is
+//! not a terminal. A reader that goes away (`hazcam score ... | head -1`) is no error: writing to
+//! stdout then fails with [`StdoutClosed`], which ends the program with success.
+
+use std::fmt;
+use std::io::{self, IsTerminal, Write};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// What the user asked of the messages.
+#[derive(Debug, Clone, Copy)]
+pub struct Ui {
+    quiet: bool,
+}
+
+/// Whoever read stdout has had enough.
+#[derive(Debug)]
+pub struct StdoutClosed;
+
+impl fmt::Display for StdoutClosed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("stdout was closed by its reader")
+    }
+}
+
+impl std::error::Error for StdoutClosed {}
+
+impl Ui {
+    /// `quiet` silences notes and progress; warnings and errors stay.
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet }
+    }
+
+    /// Writes data to stdout, as it is.
+    pub fn print(&self, text: &str) -> anyhow::Result<()> {
+        self.write(text.as_bytes())
+    }
+
+    /// Writes data to stdout, as it is.
+    pub fn write(&self, bytes: &[u8]) -> anyhow::Result<()> {
+        let mut out = io::stdout().lock();
+        match out.write_all(bytes).and_then(|()| out.flush()) {
+            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Err(StdoutClosed.into()),
+            Err(e) => Err(anyhow::Error::new(e).context("cannot write to stdout")),
+            Ok(()) => Ok(()),
+        }
+    }
+
+    /// Says on stderr what was assumed or done. Silenced by `--quiet`.
+    pub fn note(&self, text: impl fmt::Display) {
+        if !self.quiet {
+            say("\x1b[1;36mnote:\x1b[0m", text);
+        }
+    }
+
+    /// Says on stderr what may surprise.
+    pub fn warn(&self, text: impl fmt::Display) {
+        say("\x1b[1;33mwarning:\x1b[0m", text);
+    }
+
+    /// Says on stderr why the program ends, causes included.
+    pub fn error(&self, error: &anyhow::Error) {
+        say("\x1b[1;31merror:\x1b[0m", format_args!("{error:#}"));
+    }
+
+    /// A bar over `steps` steps with an estimate of the time left, on stderr; invisible when that
+    /// is no terminal or under `--quiet`. Advance it with `inc(1)`, name the step with
+    /// `set_message`, and end it with `finish_and_clear`.
+    pub fn progress(&self, steps: u64) -> ProgressBar {
+        if self.quiet || !io::stderr().is_terminal() {
+            return ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
+        }
+        let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {eta} left  {wide_msg}")
+            .expect("the template is well-formed");
+        ProgressBar::new(steps).with_style(style)
+    }
+}
+
+/// A line on stderr. That nobody can read it is no reason to fail.
+fn say(label: &str, text: impl fmt::Display) {
+    let _ = writeln!(anstream::stderr().lock(), "{label} {text}");
+}
