@@ -31,11 +31,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod aggregation;
+mod cost;
 mod error;
 mod kernels;
 mod matcher;
 mod options;
+mod prepare;
 mod presets;
+mod refinement;
+mod selection;
 
 pub use error::MatchError;
 pub use kernels::level::Level;

@@ -1,0 +1,3 @@
+//! Costs summed over a support region.
+
+pub(crate) mod window;

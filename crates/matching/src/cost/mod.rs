@@ -1,0 +1,93 @@
+//! How badly left `(x, y)` and right `(x - d, y)` fit, per disparity `d`.
+
+pub(crate) mod absolute_difference;
+
+use std::ops::Range;
+
+use raster::{BoundingBox, DisparityRange};
+
+/// Costs of one row are computed for a multiple of this many disparities: whole vectors.
+const LANES: usize = 16;
+
+/// The columns of the left image that are answered, and the disparities that can be tried there.
+///
+/// A disparity is tried at a column when its match lies inside the right image. Disparities that
+/// are tried nowhere are left out, so that a range far wider than the image costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SearchSpace {
+    /// Columns of either image.
+    pub width: usize,
+    /// First column that is answered.
+    pub first: usize,
+    /// Last column that is answered.
+    pub last: usize,
+    /// The smallest disparity that is tried anywhere.
+    pub min: i32,
+    /// How many disparities are tried, from `min` upwards; 0 when no match can lie inside.
+    pub count: usize,
+    /// `count` rounded up to whole vectors: costs from one column to the next.
+    pub lanes: usize,
+}
+
+impl SearchSpace {
+    /// What there is to search for a box in an image of `width` columns.
+    pub fn new(width: usize, bounds: BoundingBox, range: DisparityRange) -> Self {
+        let (first, last) = (bounds.x0, bounds.x1);
+        // Left columns first ..= last meet right columns 0 ..= width - 1.
+        let min = i64::from(range.min()).max(first as i64 - (width as i64 - 1));
+        let max = i64::from(range.max()).min(last as i64);
+        let count = (max - min + 1).max(0) as usize;
+        Self { width, first, last, min: min as i32, count, lanes: count.next_multiple_of(LANES) }
+    }
+
+    /// How many columns are answered.
+    pub fn columns(&self) -> usize {
+        self.last - self.first + 1
+    }
+
+    /// Which disparities, counted from `min`, are tried at left column `x`.
+    pub fn candidates(&self, x: usize) -> Range<usize> {
+        let (x, min) = (x as i64, i64::from(self.min));
+        let lowest = (x - (self.width as i64 - 1) - min).max(0);
+        let highest = (x - min).min(self.count as i64 - 1);
+        lowest as usize..(highest + 1).max(lowest) as usize
+    }
+
+    /// The right column of left column `x` at a disparity counted from `min`.
+    pub fn right_column(&self, x: usize, index: usize) -> usize {
+        (x as i64 - i64::from(self.min) - index as i64) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn space(width: usize, columns: (usize, usize), range: (i32, i32)) -> SearchSpace {
+        let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
+        SearchSpace::new(width, bounds, DisparityRange::new(range.0, range.1).unwrap())
+    }
+
+    #[test]
+    fn candidates_are_all_disparities_whose_match_lies_inside() {
+        for (columns, range) in
+            [((0, 9), (0, 5)), ((0, 9), (-4, 3)), ((3, 4), (-500, 500)), ((0, 9), (8, 40))]
+        {
+            let space = space(10, columns, range);
+            for x in columns.0..=columns.1 {
+                let expected: Vec<i32> =
+                    (range.0..=range.1).filter(|d| (0..10).contains(&(x as i32 - d))).collect();
+                let found: Vec<i32> =
+                    space.candidates(x).map(|index| space.min + index as i32).collect();
+                assert_eq!(found, expected, "column {x} of {columns:?}, range {range:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_range_wider_than_the_image_costs_no_more_than_the_image() {
+        assert_eq!(space(10, (0, 9), (-1000, 1000)).count, 19);
+        assert_eq!(space(10, (0, 9), (10, 1000)).count, 0);
+        assert_eq!(space(10, (0, 9), (-1000, -10)).count, 0);
+    }
+}

@@ -1,0 +1,83 @@
+//! Grey views of an image, without a copy where the image is grey already.
+//!
+//! Colour is turned into ITU-R BT.601 luma, `(299 R + 587 G + 114 B) / 1000` rounded to nearest,
+//! exactly as [`Image::to_grey`] does, but into memory that is kept between frames.
+
+use raster::{Image, Plane, View};
+
+/// Grey samples of either depth, borrowed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum GreyView<'a> {
+    /// 0 to 255.
+    Depth8(View<'a, u8>),
+    /// 0 to 65535.
+    Depth16(View<'a, u16>),
+}
+
+/// Where the grey of a colour image is kept.
+#[derive(Debug, Default)]
+pub(crate) struct GreyBuffer {
+    depth8: Plane<u8>,
+    depth16: Plane<u16>,
+}
+
+fn luma([r, g, b]: [u32; 3]) -> u32 {
+    (299 * r + 587 * g + 114 * b + 500) / 1000
+}
+
+impl GreyBuffer {
+    /// The image's grey: borrowed from the image itself, or computed here from its colours.
+    pub fn view<'a>(&'a mut self, image: &'a Image) -> GreyView<'a> {
+        let (columns, rows) = image.size();
+        match image {
+            Image::Grey8(plane) => GreyView::Depth8(plane.view()),
+            Image::Grey16(plane) => GreyView::Depth16(plane.view()),
+            Image::Rgb8(plane) => {
+                self.depth8.reset(columns, rows, 0);
+                for (grey, c) in self.depth8.samples_mut().iter_mut().zip(plane.samples()) {
+                    *grey = luma(c.map(u32::from)) as u8;
+                }
+                GreyView::Depth8(self.depth8.view())
+            }
+            Image::Rgb16(plane) => {
+                self.depth16.reset(columns, rows, 0);
+                for (grey, c) in self.depth16.samples_mut().iter_mut().zip(plane.samples()) {
+                    *grey = luma(c.map(u32::from)) as u16;
+                }
+                GreyView::Depth16(self.depth16.view())
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raster::Grey;
+
+    fn to_grey(view: GreyView<'_>) -> Grey {
+        match view {
+            GreyView::Depth8(view) => Grey::Depth8(view.to_plane()),
+            GreyView::Depth16(view) => Grey::Depth16(view.to_plane()),
+        }
+    }
+
+    #[test]
+    fn grey_is_what_the_image_says_it_is() {
+        let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * 31) as u16;
+        let images = [
+            Image::Grey8(Plane::from_fn(9, 5, |x, y| scramble(x, y) as u8)),
+            Image::Grey16(Plane::from_fn(9, 5, scramble)),
+            Image::Rgb8(Plane::from_fn(9, 5, |x, y| {
+                [scramble(x, y) as u8, scramble(y, x) as u8, scramble(x + y, 3) as u8]
+            })),
+            Image::Rgb16(Plane::from_fn(9, 5, |x, y| {
+                [scramble(x, y), scramble(y, x), scramble(x + y, 3)]
+            })),
+        ];
+        let mut buffer = GreyBuffer::default();
+        for image in images {
+            assert_eq!(to_grey(buffer.view(&image)), image.to_grey());
+        }
+    }
+}

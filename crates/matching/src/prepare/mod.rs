@@ -1,0 +1,4 @@
+//! What matching costs are computed from.
+
+pub(crate) mod grey;
+pub(crate) mod prefilter;

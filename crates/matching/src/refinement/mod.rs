@@ -1,0 +1,4 @@
+//! Outliers out, occlusions filled, edges sharpened, confidence.
+
+pub(crate) mod median;
+pub(crate) mod row_fill;
