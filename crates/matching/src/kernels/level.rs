@@ -83,14 +83,16 @@ impl Level {
     pub fn chosen() -> Result<Level, crate::MatchError> {
         match std::env::var("HAZCAM_CPU") {
             Err(_) => Ok(Level::detect()),
-            Ok(name) => Level::available().into_iter().find(|l| l.name() == name).ok_or_else(|| {
-                let names: Vec<_> = Level::available().iter().map(|l| l.name()).collect();
-                crate::MatchError::Option {
-                    field: "HAZCAM_CPU",
-                    value: format!("`{name}`"),
-                    allowed: format!("this processor has {}", names.join(", ")),
-                }
-            }),
+            Ok(name) => {
+                Level::available().into_iter().find(|l| l.name() == name).ok_or_else(|| {
+                    let names: Vec<_> = Level::available().iter().map(|l| l.name()).collect();
+                    crate::MatchError::Option {
+                        field: "HAZCAM_CPU",
+                        value: format!("`{name}`"),
+                        allowed: format!("this processor has {}", names.join(", ")),
+                    }
+                })
+            }
         }
     }
 
