@@ -1,1 +1,3 @@
-//! (being written)
+//! Data sets, engines, runs and records: everything that compares matchers.
+
+pub mod engine;

@@ -1,0 +1,257 @@
+//! One engine process from its start to its end.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use super::limits::Limits;
+use super::process::{self, Exit};
+use super::protocol::{self, FromEngine, Job, Ready, ToEngine};
+use super::status::Status;
+use super::talk::{self, Heard, Log};
+use super::usage::{Meter, Usage};
+
+/// How often the limits are looked at while an engine works.
+const POLL: Duration = Duration::from_millis(25);
+/// How long to wait for what comes at once unless something keeps it from coming.
+const PATIENCE: Duration = Duration::from_millis(200);
+/// How long an engine may take to exit once its standard input is closed.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// An engine that is ready for jobs. Dropping it kills the process and its whole group.
+#[derive(Debug)]
+pub struct Session {
+    child: Child,
+    stdin: Option<ChildStdin>,
+    heard: Receiver<Heard>,
+    stderr_closed: Receiver<()>,
+    log: Log,
+    scratch: PathBuf,
+    ready: Ready,
+    startup: Usage,
+    limits: Limits,
+    exited: bool,
+}
+
+impl Session {
+    /// Starts `command` in the folder `scratch` and waits until it is ready.
+    ///
+    /// The command's standard streams, working folder and process group are set here; program,
+    /// arguments and environment are the caller's. On failure the status says why ([`Status::Absent`]
+    /// or [`Status::NotReady`]) and nothing is left running.
+    pub fn start(mut command: Command, scratch: &Path, limits: Limits) -> Result<Self, Status> {
+        let program = command.get_program().to_string_lossy().into_owned();
+        command
+            .current_dir(scratch)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        process::own_group(&mut command);
+        let started = Instant::now();
+        let mut child = command.spawn().map_err(|error| Status::NotReady {
+            message: format!("{program} could not be started: {error}"),
+        })?;
+        let log = Log::default();
+        let (stdin, stdout, stderr) =
+            (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (Some(stdout), Some(stderr)) = (stdout, stderr) else {
+            unreachable!("both streams were asked for as pipes")
+        };
+        let mut session = Self {
+            stderr_closed: talk::listen_to_log(stderr, log.clone()),
+            heard: talk::listen(stdout, log.clone()),
+            scratch: scratch.to_owned(),
+            ready: Ready::default(),
+            startup: Usage::default(),
+            exited: false,
+            child,
+            stdin,
+            log,
+            limits,
+        };
+        let mut meter = Meter::from_birth(session.child.id(), started);
+        let message = session
+            .wait_for_message(&mut meter, session.limits.start, None)
+            .map_err(Status::before_ready)?;
+        session.startup = meter.sample();
+        match message {
+            FromEngine::Ready(ready) if ready.protocol == protocol::VERSION => {
+                session.ready = ready;
+                Ok(session)
+            }
+            FromEngine::Ready(ready) => Err(Status::NotReady {
+                message: format!(
+                    "{program} speaks version {} of the engine protocol, but this arena speaks {}",
+                    ready.protocol,
+                    protocol::VERSION
+                ),
+            }),
+            FromEngine::Absent { message } => Err(Status::Absent { message }),
+            FromEngine::Done { .. } | FromEngine::Failed { .. } => Err(Status::NotReady {
+                message: format!("{program} answered a job before it said that it is ready"),
+            }),
+        }
+    }
+
+    /// How the engine introduced itself.
+    pub fn ready(&self) -> &Ready {
+        &self.ready
+    }
+
+    /// What it used until it was ready.
+    pub fn startup(&self) -> Usage {
+        self.startup
+    }
+
+    /// The folder that belongs to the engine.
+    pub fn scratch(&self) -> &Path {
+        &self.scratch
+    }
+
+    /// What the engine said besides messages, on both of its streams; the last 16 KiB.
+    pub fn log(&self) -> String {
+        self.log.text()
+    }
+
+    /// Whether the next job can be sent. After a crash, a timeout or a protocol error it cannot.
+    pub fn is_alive(&self) -> bool {
+        !self.exited
+    }
+
+    /// Sends a job and waits for its answer, at most as long as the limits allow.
+    ///
+    /// [`Status::Done`] says only that the engine claims to have written its answer; reading and
+    /// checking the files is the caller's next step. After [`Status::Done`] and
+    /// [`Status::Failed`] the engine takes the next job; after anything else it has been killed.
+    pub fn run(&mut self, job: &Job) -> (Status, Usage) {
+        if self.exited {
+            let message = "the engine has ended; start a new session".into();
+            return (Status::Crashed { message }, Usage::default());
+        }
+        let mut meter = Meter::from_now(self.child.id());
+        let answer = self.exchange(job, &mut meter);
+        let usage = meter.sample();
+        let status = match answer {
+            // An answer that came between two looks at the clock may still have come too late.
+            Ok(status) => {
+                Status::past_limit(&usage, self.limits.wall, self.limits.cpu).unwrap_or(status)
+            }
+            Err(status) => status,
+        };
+        if !status.leaves_engine_ready() {
+            self.kill();
+        }
+        (status, usage)
+    }
+
+    fn exchange(&mut self, job: &Job, meter: &mut Meter) -> Result<Status, Status> {
+        self.send(&ToEngine::Job(job.clone()), meter)?;
+        let message = self.wait_for_message(meter, self.limits.wall, self.limits.cpu)?;
+        Err(Status::ProtocolError {
+            message: match message {
+                FromEngine::Done { job: number } if number == job.job => return Ok(Status::Done),
+                FromEngine::Failed { job: number, message } if number == job.job => {
+                    return Ok(Status::Failed { message });
+                }
+                FromEngine::Done { job: number } | FromEngine::Failed { job: number, .. } => {
+                    format!("it answered job {number} when job {} was asked for", job.job)
+                }
+                FromEngine::Ready(_) => "it said `ready` a second time".into(),
+                FromEngine::Absent { .. } => "it said `absent` after it had said `ready`".into(),
+            },
+        })
+    }
+
+    fn send(&mut self, message: &ToEngine, meter: &mut Meter) -> Result<(), Status> {
+        let mut line = serde_json::to_string(message).map_err(|error| Status::ProtocolError {
+            message: format!("the job cannot be put into a message: {error}"),
+        })?;
+        line.push('\n');
+        if line.len() > protocol::LINE_LIMIT {
+            let message = format!(
+                "the job's message has {} bytes, but {} are allowed: use a scratch folder with a \
+                 shorter path",
+                line.len(),
+                protocol::LINE_LIMIT
+            );
+            return Err(Status::ProtocolError { message });
+        }
+        let sent = match &mut self.stdin {
+            Some(stdin) => stdin.write_all(line.as_bytes()).and_then(|()| stdin.flush()),
+            None => Err(std::io::ErrorKind::BrokenPipe.into()),
+        };
+        sent.map_err(|_| self.crashed(meter))
+    }
+
+    /// The next message, or the status that ends the wait.
+    fn wait_for_message(
+        &mut self,
+        meter: &mut Meter,
+        wall: Duration,
+        cpu: Option<Duration>,
+    ) -> Result<FromEngine, Status> {
+        let mut last_look = false;
+        loop {
+            match self.heard.recv_timeout(POLL) {
+                Ok(Heard::Message(message)) => return Ok(message),
+                Ok(Heard::Broken(why)) => {
+                    let message = format!("it sent a message that cannot be understood: {why}");
+                    return Err(Status::ProtocolError { message });
+                }
+                Ok(Heard::Closed) | Err(RecvTimeoutError::Disconnected) => {
+                    return Err(self.crashed(meter));
+                }
+                // The process is gone, but a child of it may hold its standard output open: what
+                // was said before the end has been heard by now.
+                Err(RecvTimeoutError::Timeout) if last_look => return Err(self.crashed(meter)),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            let usage = meter.sample();
+            if let Some(status) = Status::past_limit(&usage, wall, cpu) {
+                return Err(status);
+            }
+            last_look = process::has_exited(&mut self.child);
+        }
+    }
+
+    /// The status of a process that went without an answer.
+    fn crashed(&mut self, meter: &mut Meter) -> Status {
+        let exited = process::wait_for_exit(&mut self.child, PATIENCE);
+        meter.sample();
+        let how = match self.kill() {
+            Some(status) if exited => Exit(status).to_string(),
+            _ => "it closed its standard output without an answer".into(),
+        };
+        // Its last words may still be on their way through the pipe.
+        let _ = self.stderr_closed.recv_timeout(PATIENCE);
+        let message = match self.log.last_line() {
+            Some(line) => format!("{how}; its last words: {line}"),
+            None => how,
+        };
+        Status::Crashed { message }
+    }
+
+    /// Asks the engine to end, waits two seconds for it, and kills what is left.
+    pub fn end(mut self) {
+        self.stdin = None;
+        process::wait_for_exit(&mut self.child, FAREWELL);
+    }
+
+    /// Kills what is left; the status is that of the process, if it had ended by itself, its own.
+    fn kill(&mut self) -> Option<ExitStatus> {
+        if self.exited {
+            return None;
+        }
+        self.exited = true;
+        self.stdin = None;
+        process::kill_group(&mut self.child)
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}

@@ -1,0 +1,144 @@
+//! How a job ended.
+
+use std::fmt;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::usage::Usage;
+
+/// How a job ended, with a message that its author can act on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "status", rename_all = "kebab-case")]
+pub enum Status {
+    /// There is an answer.
+    Done,
+    /// The engine said that there will be no answer.
+    Failed {
+        /// Its reason.
+        message: String,
+    },
+    /// The process ended without an answer.
+    Crashed {
+        /// Signal or exit status, and its last words.
+        message: String,
+    },
+    /// It ran past a limit and was killed.
+    Timeout {
+        /// Which limit.
+        message: String,
+    },
+    /// The answer's files are not what the protocol asks for.
+    BadResult {
+        /// What is wrong with them.
+        message: String,
+    },
+    /// It broke the protocol and was killed.
+    ProtocolError {
+        /// What it said.
+        message: String,
+    },
+    /// It never became ready.
+    NotReady {
+        /// Why, as far as known.
+        message: String,
+    },
+    /// Something that it needs is not installed on this machine.
+    Absent {
+        /// What, and how to get it.
+        message: String,
+    },
+}
+
+impl Status {
+    /// The name used in tables and files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Failed { .. } => "failed",
+            Self::Crashed { .. } => "crashed",
+            Self::Timeout { .. } => "timeout",
+            Self::BadResult { .. } => "bad-result",
+            Self::ProtocolError { .. } => "protocol-error",
+            Self::NotReady { .. } => "not-ready",
+            Self::Absent { .. } => "absent",
+        }
+    }
+
+    /// Why there is no answer; `None` when there is one.
+    pub fn message(&self) -> Option<&str> {
+        match self {
+            Self::Done => None,
+            Self::Failed { message }
+            | Self::Crashed { message }
+            | Self::Timeout { message }
+            | Self::BadResult { message }
+            | Self::ProtocolError { message }
+            | Self::NotReady { message }
+            | Self::Absent { message } => Some(message),
+        }
+    }
+
+    /// Whether the engine takes another job after this.
+    pub(crate) fn leaves_engine_ready(&self) -> bool {
+        matches!(self, Self::Done | Self::Failed { .. })
+    }
+
+    /// The same story, told about a process that was not ready yet.
+    pub(crate) fn before_ready(self) -> Self {
+        match self.message() {
+            Some(message) => Self::NotReady { message: format!("before it was ready, {message}") },
+            None => self,
+        }
+    }
+
+    /// The status of a process that has used more than it may.
+    pub(crate) fn past_limit(usage: &Usage, wall: Duration, cpu: Option<Duration>) -> Option<Self> {
+        let (used, limit, clock) = match (usage.cpu_seconds, cpu) {
+            (Some(used), Some(limit)) if used > limit.as_secs_f64() => (used, limit, "CPU"),
+            _ if usage.wall_seconds > wall.as_secs_f64() => (usage.wall_seconds, wall, "wall"),
+            _ => return None,
+        };
+        let limit = limit.as_secs_f64();
+        Some(Self::Timeout {
+            message: format!(
+                "it had used {used:.1} s of {clock} time when it was killed; the limit is {limit} s"
+            ),
+        })
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.message() {
+            Some(message) => write!(f, "{}: {message}", self.name()),
+            None => f.write_str(self.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_status_is_one_flat_object() {
+        let status = Status::BadResult { message: "shape".into() };
+        let text = serde_json::to_string(&status).unwrap();
+        assert_eq!(text, r#"{"status":"bad-result","message":"shape"}"#);
+        assert_eq!(serde_json::from_str::<Status>(&text).unwrap(), status);
+        assert_eq!(serde_json::to_string(&Status::Done).unwrap(), r#"{"status":"done"}"#);
+    }
+
+    #[test]
+    fn limits_name_the_clock_that_ran_out() {
+        let usage = Usage { cpu_seconds: Some(3.0), wall_seconds: 2.0, peak_memory_bytes: None };
+        let second = Duration::from_secs(1);
+        let text = |wall, cpu| Status::past_limit(&usage, wall, cpu).unwrap().to_string();
+        assert!(text(second * 9, Some(second)).contains("3.0 s of CPU time"));
+        assert!(text(second, None).contains("2.0 s of wall time"));
+        assert_eq!(Status::past_limit(&usage, second * 9, Some(second * 9)), None);
+        let unknown = Usage { cpu_seconds: None, ..usage };
+        assert_eq!(Status::past_limit(&unknown, second * 9, Some(second)), None);
+    }
+}

@@ -1,0 +1,127 @@
+//! Listens to a process: messages to whoever waits for them, everything else into a capped log.
+//!
+//! The pipes are drained to the end whatever comes, so that an engine that floods its output is
+//! slowed by nothing but itself, and costs a fixed amount of memory.
+
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+use super::protocol::{FromEngine, LINE_LIMIT, Line, parse_line};
+
+/// How much of an engine's own talk is kept, in bytes.
+const LOG_LIMIT: usize = 16 * 1024;
+
+/// Something that came over standard output.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Heard {
+    /// A message.
+    Message(FromEngine),
+    /// A message that cannot be understood; the text says why.
+    Broken(String),
+    /// Standard output was closed.
+    Closed,
+}
+
+/// The last of what a process said besides messages.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Log(Arc<Mutex<VecDeque<u8>>>);
+
+impl Log {
+    fn push(&self, bytes: &[u8]) {
+        let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        log.extend(bytes);
+        let excess = log.len().saturating_sub(LOG_LIMIT);
+        log.drain(..excess);
+    }
+
+    /// What was said, its beginning cut off where it was too long.
+    pub fn text(&self) -> String {
+        let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        String::from_utf8_lossy(log.make_contiguous()).into_owned()
+    }
+
+    /// The last line that is not blank, for one-line messages.
+    pub fn last_line(&self) -> Option<String> {
+        let text = self.text();
+        text.lines().rev().map(str::trim).find(|line| !line.is_empty()).map(str::to_owned)
+    }
+}
+
+/// Starts to listen to standard output, which may hold messages.
+pub(crate) fn listen(output: impl Read + Send + 'static, log: Log) -> Receiver<Heard> {
+    // Few places: an engine that floods its output with messages waits for us, not we for memory.
+    let (sender, receiver) = sync_channel(16);
+    thread::spawn(move || hear_messages(BufReader::new(output), &log, &sender));
+    receiver
+}
+
+/// Starts to listen to standard error, which only fills the log. The receiver learns of its end by
+/// being disconnected.
+pub(crate) fn listen_to_log(output: impl Read + Send + 'static, log: Log) -> Receiver<()> {
+    let (sender, receiver) = sync_channel(0);
+    thread::spawn(move || {
+        let _sender = sender;
+        let mut output = output;
+        let mut buffer = [0; 4096];
+        while let Ok(count @ 1..) = output.read(&mut buffer) {
+            log.push(&buffer[..count]);
+        }
+    });
+    receiver
+}
+
+fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>) {
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        // A line longer than a message may be is no message: its pieces are chatter.
+        let count = output.by_ref().take(LINE_LIMIT as u64).read_until(b'\n', &mut line);
+        let heard = match count {
+            Ok(0) | Err(_) => {
+                let _ = sender.send(Heard::Closed);
+                return;
+            }
+            Ok(_) => match std::str::from_utf8(&line).map_or(Line::Chatter, parse_line) {
+                Line::Message(message) => Heard::Message(message),
+                Line::Broken(why) => Heard::Broken(why),
+                Line::Chatter => {
+                    log.push(&line);
+                    continue;
+                }
+            },
+        };
+        if sender.send(heard).is_err() {
+            // Nobody waits for messages any more; the rest is drained so that the process can end.
+            let _ = std::io::copy(&mut output, &mut std::io::sink());
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_and_chatter_go_their_ways() {
+        let output = b"hello\n{\"hazcam\":\"done\",\"job\":1}\n\xff\xfe\nbye".as_slice();
+        let log = Log::default();
+        let heard: Vec<_> = listen(output, log.clone()).iter().collect();
+        assert_eq!(heard, [Heard::Message(FromEngine::Done { job: 1 }), Heard::Closed]);
+        assert!(log.text().starts_with("hello\n") && log.text().ends_with("\nbye"));
+        assert_eq!(log.last_line().as_deref(), Some("bye"));
+    }
+
+    #[test]
+    fn a_flood_keeps_only_its_end() {
+        let flood = b"{".repeat(LINE_LIMIT * 3).into_iter().chain(*b"\nend").collect::<Vec<_>>();
+        let log = Log::default();
+        let receiver = listen(std::io::Cursor::new(flood), log.clone());
+        assert_eq!(receiver.recv().unwrap(), Heard::Closed);
+        assert_eq!(log.text().len(), LOG_LIMIT);
+        assert_eq!(log.last_line().as_deref(), Some("end"));
+    }
+}
