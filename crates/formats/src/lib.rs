@@ -1,1 +1,20 @@
-//! (being written)
+//! The files of the stereo community, read strictly and written whole.
+#![forbid(unsafe_code)]
+
+mod atomic;
+mod disparity;
+mod encoding;
+mod error;
+mod image;
+mod netpbm;
+pub mod npy;
+mod pfm;
+mod png;
+mod source;
+
+pub use atomic::write_atomically;
+pub use disparity::{ReadDisparity, implausible_scale, read_disparity, write_disparity};
+pub use encoding::Encoding;
+pub use error::FormatError;
+pub use image::{read_image, write_image};
+pub use source::{Container, MAX_FILE_BYTES, MAX_PIXELS};

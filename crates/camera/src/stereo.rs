@@ -1,0 +1,175 @@
+//! A rectified pair of pinhole cameras.
+//!
+//! With focal length f in pixels, baseline B in metres and principal points that differ by
+//! `doffs = cx_right - cx_left` pixels, a point at depth Z is seen at a disparity of
+//!
+//! ```text
+//! d = x_left - x_right = f B / Z - doffs        Z = f B / (d + doffs)
+//! ```
+//!
+//! and an uncertainty of the disparity becomes one of the depth by the derivative of that:
+//! `|dZ| = Z^2 |dd| / (f B)`. See Scharstein et al., *High-resolution stereo datasets with
+//! subpixel-accurate ground truth*, GCPR 2014, for `doffs`.
+
+/// A number of a camera is not usable.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("the camera's {field} is {value}, but it must be {allowed}")]
+pub struct CameraError {
+    /// Which number, with its unit.
+    pub field: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What is allowed.
+    pub allowed: &'static str,
+}
+
+/// A rectified pair of pinhole cameras. See the crate's documentation for the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StereoCamera {
+    /// Focal length of both cameras in pixels, positive.
+    pub focal_px: f64,
+    /// Distance between the cameras in metres, positive: the right one stands to the right.
+    pub baseline_m: f64,
+    /// Column of the right camera's principal point less that of the left one, in pixels. It is
+    /// what must be added to a disparity before it is proportional to inverse depth.
+    pub doffs: f64,
+    /// Column of the left camera's principal point, in pixels.
+    pub cx: f64,
+    /// Row of both cameras' principal points, in pixels.
+    pub cy: f64,
+}
+
+impl StereoCamera {
+    /// Checks the numbers: all finite, focal length and baseline positive.
+    pub fn new(
+        focal_px: f64,
+        baseline_m: f64,
+        doffs: f64,
+        cx: f64,
+        cy: f64,
+    ) -> Result<Self, CameraError> {
+        for (field, value) in [
+            ("focal length in pixels", focal_px),
+            ("baseline in metres (the right camera stands to the right)", baseline_m),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(CameraError { field, value, allowed: "finite and positive" });
+            }
+        }
+        for (field, value) in [
+            ("offset of disparities (doffs) in pixels", doffs),
+            ("principal column (cx) in pixels", cx),
+            ("principal row (cy) in pixels", cy),
+        ] {
+            if !value.is_finite() {
+                return Err(CameraError { field, value, allowed: "finite" });
+            }
+        }
+        Ok(Self { focal_px, baseline_m, doffs, cx, cy })
+    }
+
+    /// Depth in metres of a disparity in pixels: `f B / (d + doffs)`.
+    ///
+    /// `None` when no point in front of the cameras has this disparity: `d + doffs` is not
+    /// positive (at zero the point is infinitely far away) or not finite (NaN is no disparity).
+    pub fn depth(&self, disparity: f64) -> Option<f64> {
+        let shifted = disparity + self.doffs;
+        (shifted > 0.0 && shifted.is_finite()).then(|| self.focal_px * self.baseline_m / shifted)
+    }
+
+    /// Disparity in pixels of a depth in metres: `f B / Z - doffs`.
+    ///
+    /// `None` when the depth is not positive. An infinite depth has the disparity `-doffs`.
+    pub fn disparity(&self, depth_m: f64) -> Option<f64> {
+        (depth_m > 0.0).then(|| self.focal_px * self.baseline_m / depth_m - self.doffs)
+    }
+
+    /// Uncertainty of the depth in metres at a depth in metres, for an uncertainty of the
+    /// disparity in pixels: `Z^2 |dd| / (f B)`, to first order.
+    ///
+    /// `None` when the depth is not positive and finite.
+    pub fn depth_uncertainty(&self, depth_m: f64, disparity_uncertainty: f64) -> Option<f64> {
+        (depth_m > 0.0 && depth_m.is_finite()).then(|| {
+            depth_m * depth_m * disparity_uncertainty.abs() / (self.focal_px * self.baseline_m)
+        })
+    }
+
+    /// The point `[X, Y, Z]` in metres that left pixel `(x, y)` shows at a disparity in pixels.
+    ///
+    /// `None` where [`StereoCamera::depth`] is.
+    pub fn point(&self, x: f64, y: f64, disparity: f64) -> Option<[f64; 3]> {
+        let depth = self.depth(disparity)?;
+        let scale = depth / self.focal_px;
+        Some([(x - self.cx) * scale, (y - self.cy) * scale, depth])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// f = 800 px, B = 0.25 m: f B = 200 px m.
+    fn camera(doffs: f64) -> StereoCamera {
+        StereoCamera::new(800.0, 0.25, doffs, 320.0, 240.0).unwrap()
+    }
+
+    #[test]
+    fn depth_is_focal_length_times_baseline_over_disparity() {
+        assert_eq!(camera(0.0).depth(50.0), Some(4.0));
+        // 200 / (30 + 10)
+        assert_eq!(camera(10.0).depth(30.0), Some(5.0));
+        // A negative disparity is legal as long as doffs carries it.
+        assert_eq!(camera(10.0).depth(-5.0), Some(40.0));
+    }
+
+    #[test]
+    fn disparity_is_the_inverse_of_depth() {
+        assert_eq!(camera(0.0).disparity(4.0), Some(50.0));
+        assert_eq!(camera(10.0).disparity(40.0), Some(-5.0));
+        assert_eq!(camera(10.0).disparity(f64::INFINITY), Some(-10.0));
+    }
+
+    #[test]
+    fn what_is_not_in_front_of_the_cameras_has_no_depth() {
+        for disparity in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(camera(0.0).depth(disparity), None);
+            assert_eq!(camera(0.0).point(0.0, 0.0, disparity), None);
+        }
+        assert_eq!(camera(10.0).depth(-10.0), None);
+        for depth in [0.0, -1.0, f64::NAN] {
+            assert_eq!(camera(0.0).disparity(depth), None);
+            assert_eq!(camera(0.0).depth_uncertainty(depth, 1.0), None);
+        }
+    }
+
+    #[test]
+    fn uncertainty_grows_with_the_square_of_depth() {
+        // 4^2 * 0.5 / 200 and 8^2 * 0.5 / 200
+        assert_eq!(camera(0.0).depth_uncertainty(4.0, 0.5), Some(0.04));
+        assert_eq!(camera(10.0).depth_uncertainty(8.0, -0.5), Some(0.16));
+    }
+
+    #[test]
+    fn uncertainty_is_the_slope_of_depth() {
+        let camera = camera(10.0);
+        let step = 1e-4;
+        let slope = (camera.depth(30.0 - step).unwrap() - camera.depth(30.0 + step).unwrap()) / 2.0;
+        assert!((camera.depth_uncertainty(5.0, step).unwrap() - slope).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_pixel_and_its_disparity_are_a_point() {
+        // Z = 4 m; (720 - 320) * 4 / 800 = 2 m right, (40 - 240) * 4 / 800 = 1 m up.
+        assert_eq!(camera(0.0).point(720.0, 40.0, 50.0), Some([2.0, -1.0, 4.0]));
+    }
+
+    #[test]
+    fn unusable_numbers_are_named() {
+        let error = StereoCamera::new(0.0, 1.0, 0.0, 0.0, 0.0).unwrap_err();
+        assert!(error.to_string().contains("focal length in pixels is 0"), "{error}");
+        let error = StereoCamera::new(1.0, -0.5, 0.0, 0.0, 0.0).unwrap_err();
+        assert!(error.to_string().contains("baseline"), "{error}");
+        let error = StereoCamera::new(1.0, 1.0, f64::NAN, 0.0, 0.0).unwrap_err();
+        assert!(error.to_string().contains("doffs"), "{error}");
+    }
+}

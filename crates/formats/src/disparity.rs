@@ -1,0 +1,216 @@
+//! Disparity maps in and out. In memory a disparity is in pixels and NaN means "no value".
+
+use std::io;
+use std::path::Path;
+
+use raster::{Image, Plane};
+
+use crate::atomic::write_atomically;
+use crate::source::{Container, Source};
+use crate::{Encoding, FormatError, image, npy, pfm, png};
+
+/// A disparity map as read from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadDisparity {
+    /// Disparity in pixels, `x_right = x_left - d`, NaN = no value.
+    pub values: Plane<f32>,
+    /// How the file was understood; never [`Encoding::Auto`].
+    pub encoding: Encoding,
+    /// What had to be assumed and may be wrong, as a sentence for the user.
+    pub note: Option<String>,
+}
+
+/// Reads a disparity map.
+///
+/// With [`Encoding::Auto`] the content decides. Integers do not say their scale: 16-bit grey is
+/// taken for KITTI's (/ 256) and 8-bit grey for whole disparities (/ 1), and the note says so,
+/// because a map read at the wrong scale looks right and scores as almost all wrong
+/// ([`implausible_scale`] finds out). Any other encoding is a demand: a file of another kind is an
+/// error.
+pub fn read_disparity(
+    path: impl AsRef<Path>,
+    encoding: Encoding,
+) -> Result<ReadDisparity, FormatError> {
+    let source = Source::open(path.as_ref())?;
+    let container = source.container()?;
+    match container {
+        Container::Pfm => {
+            demand(&source, container, encoding, Encoding::Pfm)?;
+            Ok(floats(pfm::decode(&source)?, Encoding::Pfm))
+        }
+        Container::Npy => {
+            demand(&source, container, encoding, Encoding::Npy)?;
+            Ok(floats(from_npy(&source)?, Encoding::Npy))
+        }
+        _ => from_grey(&source, container, encoding),
+    }
+}
+
+fn floats(values: Plane<f32>, encoding: Encoding) -> ReadDisparity {
+    ReadDisparity { values, encoding, note: None }
+}
+
+/// Errors when another encoding was asked for than the content has.
+fn demand(
+    source: &Source,
+    container: Container,
+    asked: Encoding,
+    found: Encoding,
+) -> Result<(), FormatError> {
+    if asked == Encoding::Auto || asked == found {
+        return Ok(());
+    }
+    Err(source.wrong_kind(
+        format!("a {} file", container.name()),
+        format!("the encoding {asked} was asked for: ask for {found} or auto"),
+    ))
+}
+
+/// Any array of numbers with two dimensions; the values that are not finite become NaN.
+fn from_npy(source: &Source) -> Result<Plane<f32>, FormatError> {
+    let npy::Array { shape, samples } = npy::decode(source)?;
+    let needed = "an array of numbers with shape (rows, columns) is needed";
+    if shape.len() != 2 || samples.dtype() == npy::Dtype::Bool {
+        let shape = npy::shape_text(&shape);
+        let found = format!("a .npy array of {} with shape {shape}", samples.dtype());
+        return Err(source.wrong_kind(found, needed));
+    }
+    let (columns, rows) = npy::plane_size(source, &shape)?;
+    let keep = |v: f32| if v.is_finite() { v } else { f32::NAN };
+    let values = match samples {
+        npy::Samples::Float32(values) => values.into_iter().map(keep).collect(),
+        other => other.to_f64().into_iter().map(|v| keep(v as f32)).collect(),
+    };
+    Ok(Plane::new(columns, rows, values).expect("the length has been checked"))
+}
+
+/// Grey integers with a scale, 0 = none.
+fn from_grey(
+    source: &Source,
+    container: Container,
+    encoding: Encoding,
+) -> Result<ReadDisparity, FormatError> {
+    let image::Decoded { image, stored } = image::decode(source, container)?;
+    let found = format!("a {} of {}-bit {}", container.name(), stored.bits, stored.samples);
+    if !stored.exact || container == Container::Jpeg {
+        return Err(source.wrong_kind(
+            found,
+            "disparities must be stored as they are: 8 or 16-bit grey PNG without alpha or \
+             palette, PFM, NPY or float TIFF",
+        ));
+    }
+    let wrong = |needed: &str| Err(source.wrong_kind(found.clone(), needed));
+    match (&image, encoding) {
+        (Image::Grey8(samples), Encoding::Auto) => Ok(ReadDisparity {
+            values: scaled(samples, 1.0),
+            encoding: Encoding::Png8 { divisor: 1.0 },
+            note: Some(
+                "8-bit grey does not say its scale: whole disparities (png8/1) were assumed; \
+                 Cones and Teddy need png8/4, Middlebury 2005 and 2006 png8/3 at third size and \
+                 png8/2 at half size"
+                    .to_owned(),
+            ),
+        }),
+        (Image::Grey8(samples), Encoding::Png8 { divisor }) => {
+            Ok(ReadDisparity { values: scaled(samples, divisor), encoding, note: None })
+        }
+        (Image::Grey16(samples), Encoding::Auto) => Ok(ReadDisparity {
+            values: scaled(samples, 256.0),
+            encoding: Encoding::Png16 { divisor: 256.0 },
+            note: Some(
+                "16-bit grey does not say its scale: KITTI's (png16/256) was assumed".to_owned(),
+            ),
+        }),
+        (Image::Grey16(samples), Encoding::Png16 { divisor }) => {
+            Ok(ReadDisparity { values: scaled(samples, divisor), encoding, note: None })
+        }
+        (Image::Grey8(_) | Image::Grey16(_), asked) => {
+            wrong(&format!("the encoding {asked} was asked for"))
+        }
+        (Image::Rgb8(_) | Image::Rgb16(_), _) => wrong(
+            "a disparity map has one number a pixel: a coloured picture of one cannot be read \
+             back, save grey PNG, PFM, NPY or float TIFF",
+        ),
+    }
+}
+
+/// Samples over the divisor, 0 as no value.
+fn scaled<T: Copy + Into<f32>>(samples: &Plane<T>, divisor: f32) -> Plane<f32> {
+    samples.map(|&sample| match sample.into() {
+        0.0 => f32::NAN,
+        value => value / divisor,
+    })
+}
+
+/// The factor by which the values are too large to be disparities up to `max_disparity`: 4, 16 or
+/// 256, the smallest that explains them; `None` when they fit or none of these does.
+///
+/// A few wild values are no scale: the 99th percentile of the values is held against the maximum.
+pub fn implausible_scale(values: &Plane<f32>, max_disparity: f32) -> Option<f32> {
+    let mut valid: Vec<f32> = values.samples().iter().copied().filter(|v| v.is_finite()).collect();
+    let at = valid.len().checked_sub(1)? * 99 / 100;
+    let (_, &mut high, _) = valid.select_nth_unstable_by(at, f32::total_cmp);
+    // One pixel of room: truth may pass the stated maximum by its fraction.
+    let fits = |value: f32| value <= max_disparity + 1.0;
+    if fits(high) { None } else { [4.0, 16.0, 256.0].into_iter().find(|s| fits(high / s)) }
+}
+
+/// The extensions that [`write_disparity`] knows.
+const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit)";
+
+/// Writes a disparity map, its format by extension, whole or not at all.
+///
+/// | extension | what is written | no value |
+/// | --- | --- | --- |
+/// | `.pfm` | little-endian float32, bottom-up | `+INF` |
+/// | `.npy` | float32, `rows x columns` | NaN |
+/// | `.png` | KITTI: 16-bit grey, `round(256 d)` | 0 |
+///
+/// In a `.png` a disparity below 1/512 would round to 0 and so vanish; it is stored as 1, that is
+/// 1/256 pixel, as KITTI's own tools do. Disparities outside `[0, 256)` do not fit and are an error.
+/// An infinite value is an error in every format, because it is neither a disparity nor "no value".
+pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<(), FormatError> {
+    let path = path.as_ref();
+    refuse(path, values, |v| v.is_infinite(), "a disparity is finite, or NaN for no value")?;
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match extension.as_deref() {
+        Some("pfm") => write_atomically(path, |writer| pfm::encode(values, writer)),
+        Some("npy") => npy::write(path, values),
+        Some("png") => {
+            refuse(
+                path,
+                values,
+                |v| !(0.0..256.0).contains(&v) && !v.is_nan(),
+                "KITTI's 16-bit PNG holds 0 up to, not including, 256 pixels: write .pfm, .npy or \
+                 .tiff instead",
+            )?;
+            let image = Image::Grey16(values.map(|&v| kitti_sample(v)));
+            write_atomically(path, |writer| png::encode(&image, writer).map_err(io::Error::other))
+        }
+        _ => Err(FormatError::UnknownExtension { path: path.to_owned(), known: KNOWN }),
+    }
+}
+
+/// `round(256 d)`, at least 1 because 0 means none, at most 65535.
+fn kitti_sample(value: f32) -> u16 {
+    if value.is_nan() { 0 } else { ((value * 256.0).round() as u16).max(1) }
+}
+
+/// Errors at the first pixel whose value is `bad`.
+fn refuse(
+    path: &Path,
+    values: &Plane<f32>,
+    bad: impl Fn(f32) -> bool,
+    allowed: &'static str,
+) -> Result<(), FormatError> {
+    match values.samples().iter().position(|&v| bad(v)) {
+        None => Ok(()),
+        Some(at) => Err(FormatError::Unrepresentable {
+            path: path.to_owned(),
+            x: at % values.columns(),
+            y: at / values.columns(),
+            value: f64::from(values.samples()[at]),
+            allowed,
+        }),
+    }
+}

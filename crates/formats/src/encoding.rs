@@ -1,0 +1,97 @@
+//! How a file stands for disparities: the names that data sets, options and records use.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::FormatError;
+
+/// How the samples of a file become disparities in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Encoding {
+    /// By content; what had to be assumed is told in [`ReadDisparity::note`].
+    ///
+    /// [`ReadDisparity::note`]: crate::ReadDisparity::note
+    #[default]
+    Auto,
+    /// 8-bit grey, disparity = sample / divisor, 0 = none. Middlebury 2003 (Cones, Teddy): 4;
+    /// 2005 and 2006: 3 at third, 2 at half, 1 at full size.
+    Png8 {
+        /// Positive.
+        divisor: f32,
+    },
+    /// 16-bit grey, disparity = sample / divisor, 0 = none. KITTI: 256.
+    Png16 {
+        /// Positive.
+        divisor: f32,
+    },
+    /// 32-bit floats, not finite = none.
+    Pfm,
+    /// A NumPy array of numbers, not finite = none.
+    Npy,
+    /// TIFF of 32-bit floats, not finite = none.
+    Tiff,
+}
+
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Png8 { divisor } => write!(f, "png8/{divisor}"),
+            Self::Png16 { divisor } => write!(f, "png16/{divisor}"),
+            Self::Pfm => f.write_str("pfm"),
+            Self::Npy => f.write_str("npy"),
+            Self::Tiff => f.write_str("tiff"),
+        }
+    }
+}
+
+impl FromStr for Encoding {
+    type Err = FormatError;
+
+    fn from_str(text: &str) -> Result<Self, FormatError> {
+        let wrong = || FormatError::Text {
+            text: text.to_owned(),
+            what: "an encoding of disparities",
+            allowed: "give auto, png8/DIVISOR (png8/4 for Cones and Teddy), png16/DIVISOR \
+                      (png16/256 for KITTI), pfm, npy or tiff"
+                .to_owned(),
+        };
+        let parse = |divisor: &str| match divisor.parse::<f32>() {
+            Ok(divisor) if divisor.is_finite() && divisor > 0.0 => Ok(divisor),
+            _ => Err(wrong()),
+        };
+        match text.split_once('/') {
+            Some(("png8", divisor)) => Ok(Self::Png8 { divisor: parse(divisor)? }),
+            Some(("png16", divisor)) => Ok(Self::Png16 { divisor: parse(divisor)? }),
+            Some(_) => Err(wrong()),
+            None => match text {
+                "auto" => Ok(Self::Auto),
+                "pfm" => Ok(Self::Pfm),
+                "npy" => Ok(Self::Npy),
+                "tiff" => Ok(Self::Tiff),
+                _ => Err(wrong()),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_survive_a_round_trip() {
+        for name in ["auto", "png8/4", "png8/2.5", "png16/256", "pfm", "npy", "tiff"] {
+            assert_eq!(name.parse::<Encoding>().unwrap().to_string(), name);
+        }
+    }
+
+    #[test]
+    fn a_scale_must_be_said_and_be_positive() {
+        for text in ["png8", "png16", "png8/0", "png8/-4", "png8/x", "png8/inf", "PFM", "", "pfm/1"]
+        {
+            let error = text.parse::<Encoding>().unwrap_err().to_string();
+            assert!(error.contains(text) && error.contains("png8/4"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! What can go wrong, grouped by who must act: the system, the maker of the file, the one who chose
+//! the file, or the one who wrote the arguments.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A file cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// The system refuses to open or read the file.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The system refuses to write the file. Nothing is left behind.
+    #[error("cannot write {}: {problem}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What stands in the way, and the remedy.
+        problem: String,
+        /// What the system said.
+        source: Option<io::Error>,
+    },
+    /// The content breaks the rules of its own format: cut off, damaged, or not made to the rules.
+    #[error("{} is damaged ({format}{}): {problem}", path.display(), at(*offset))]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// The format that the content begins like.
+        format: &'static str,
+        /// Where, in bytes from the start of the file.
+        offset: Option<u64>,
+        /// What is wrong, and what is allowed.
+        problem: String,
+    },
+    /// The file claims a size that is refused before any memory is taken.
+    #[error("{} is too large ({format}): {claim}; the limit is {limit}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: &'static str,
+        /// What the file claims to hold.
+        claim: String,
+        /// What is allowed.
+        limit: String,
+    },
+    /// The file is sound, but it is not what is needed here.
+    #[error("{} is {found}, but {needed}", path.display())]
+    WrongKind {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        found: String,
+        /// What is needed, and the remedy.
+        needed: String,
+    },
+    /// The extension of a file to be written names no known format.
+    #[error(
+        "cannot tell the format of {} from {}: use one of {known}",
+        path.display(),
+        extension_of(path)
+    )]
+    UnknownExtension {
+        /// The file.
+        path: PathBuf,
+        /// The known extensions, each with its format.
+        known: &'static str,
+    },
+    /// A pixel has a value that the format cannot hold.
+    #[error(
+        "cannot write {}: the pixel at column {x}, row {y} is {value}, but {allowed}",
+        path.display()
+    )]
+    Unrepresentable {
+        /// The file.
+        path: PathBuf,
+        /// Column of the pixel.
+        x: usize,
+        /// Row of the pixel.
+        y: usize,
+        /// Its value.
+        value: f64,
+        /// What the format can hold, and the remedy.
+        allowed: &'static str,
+    },
+    /// A text (an option's value) cannot be understood.
+    #[error("`{text}` is not {what}: {allowed}")]
+    Text {
+        /// The text.
+        text: String,
+        /// What it should be.
+        what: &'static str,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+/// The offset as a part of a sentence.
+fn at(offset: Option<u64>) -> String {
+    offset.map(|byte| format!(", near byte {byte}")).unwrap_or_default()
+}
+
+/// The extension as a part of a sentence.
+fn extension_of(path: &Path) -> String {
+    match path.extension() {
+        Some(extension) => format!("its extension `.{}`", extension.display()),
+        None => "its name, which has no extension".to_owned(),
+    }
+}
+
+impl FormatError {
+    /// The file that the error is about, if it is about a file.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Read { path, .. }
+            | Self::Write { path, .. }
+            | Self::Malformed { path, .. }
+            | Self::TooLarge { path, .. }
+            | Self::WrongKind { path, .. }
+            | Self::UnknownExtension { path, .. }
+            | Self::Unrepresentable { path, .. } => Some(path),
+            Self::Text { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_the_file_the_place_and_the_remedy() {
+        let error = FormatError::Malformed {
+            path: "left.png".into(),
+            format: "PNG",
+            offset: Some(33),
+            problem: "the file ends inside a row".into(),
+        };
+        assert_eq!(
+            error.to_string(),
+            "left.png is damaged (PNG, near byte 33): the file ends inside a row"
+        );
+        let error = FormatError::UnknownExtension { path: "d.exr".into(), known: ".pfm, .npy" };
+        assert_eq!(
+            error.to_string(),
+            "cannot tell the format of d.exr from its extension `.exr`: use one of .pfm, .npy"
+        );
+        assert_eq!(error.path(), Some(Path::new("d.exr")));
+        let error = FormatError::UnknownExtension { path: "d".into(), known: ".pfm" };
+        assert!(error.to_string().contains("no extension"));
+    }
+}
