@@ -1,13 +1,12 @@
 //! Disparity maps in and out. In memory a disparity is in pixels and NaN means "no value".
 
-use std::io;
 use std::path::Path;
 
 use raster::{Image, Plane};
 
 use crate::atomic::write_atomically;
 use crate::source::{Container, Source};
-use crate::{Encoding, FormatError, image, npy, pfm, png};
+use crate::{Encoding, FormatError, image, npy, pfm, png, tiff};
 
 /// A disparity map as read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +41,16 @@ pub fn read_disparity(
             demand(&source, container, encoding, Encoding::Npy)?;
             Ok(floats(from_npy(&source)?, Encoding::Npy))
         }
+        Container::Tiff => match tiff::decode(&source)? {
+            tiff::Content::Floats(values) => {
+                demand(&source, container, encoding, Encoding::Tiff)?;
+                Ok(floats(values, Encoding::Tiff))
+            }
+            tiff::Content::Picture(_) => Err(source.wrong_kind(
+                "a TIFF of integers",
+                "a disparity map as TIFF holds float32; integers do not say their scale",
+            )),
+        },
         _ => from_grey(&source, container, encoding),
     }
 }
@@ -156,7 +165,7 @@ pub fn implausible_scale(values: &Plane<f32>, max_disparity: f32) -> Option<f32>
 }
 
 /// The extensions that [`write_disparity`] knows.
-const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit)";
+const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit), .tiff (float32)";
 
 /// Writes a disparity map, its format by extension, whole or not at all.
 ///
@@ -165,6 +174,7 @@ const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit)";
 /// | `.pfm` | little-endian float32, bottom-up | `+INF` |
 /// | `.npy` | float32, `rows x columns` | NaN |
 /// | `.png` | KITTI: 16-bit grey, `round(256 d)` | 0 |
+/// | `.tiff`, `.tif` | float32 | NaN |
 ///
 /// In a `.png` a disparity below 1/512 would round to 0 and so vanish; it is stored as 1, that is
 /// 1/256 pixel, as KITTI's own tools do. Disparities outside `[0, 256)` do not fit and are an error.
@@ -172,10 +182,10 @@ const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit)";
 pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<(), FormatError> {
     let path = path.as_ref();
     refuse(path, values, |v| v.is_infinite(), "a disparity is finite, or NaN for no value")?;
-    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    match extension.as_deref() {
+    match image::extension(path).as_deref() {
         Some("pfm") => write_atomically(path, |writer| pfm::encode(values, writer)),
         Some("npy") => npy::write(path, values),
+        Some("tif" | "tiff") => write_atomically(path, |writer| tiff::encode(values, writer)),
         Some("png") => {
             refuse(
                 path,
@@ -185,7 +195,7 @@ pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<()
                  .tiff instead",
             )?;
             let image = Image::Grey16(values.map(|&v| kitti_sample(v)));
-            write_atomically(path, |writer| png::encode(&image, writer).map_err(io::Error::other))
+            write_atomically(path, |writer| png::encode(&image, writer))
         }
         _ => Err(FormatError::UnknownExtension { path: path.to_owned(), known: KNOWN }),
     }

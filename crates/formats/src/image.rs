@@ -5,7 +5,7 @@ use std::path::Path;
 use raster::Image;
 
 use crate::source::{Container, Source};
-use crate::{FormatError, atomic, png};
+use crate::{FormatError, jpeg, png, pnm, tiff, write_atomically};
 
 /// A decoded picture, and how its file stores it.
 pub(crate) struct Decoded {
@@ -25,6 +25,15 @@ pub(crate) struct Stored {
 }
 
 /// Reads a picture: PNG, PGM/PPM, JPEG or TIFF, by content, whatever its extension.
+///
+/// Samples come out as stored, 8 or 16 bit, with these exceptions: alpha is dropped (the colour
+/// samples stay as stored, nothing is blended), a palette becomes colour, PNG grey of less than 8
+/// bit and PGM/PPM with a maxval other than 255 or 65535 are scaled so that white is 255 or 65535,
+/// JPEG colour becomes RGB. No gamma, colour profile or EXIF orientation is applied.
+///
+/// Errors: [`FormatError::Read`], [`FormatError::Malformed`] for damaged files,
+/// [`FormatError::TooLarge`] past [`MAX_PIXELS`](crate::MAX_PIXELS), [`FormatError::WrongKind`] for
+/// anything that is no picture of these kinds.
 pub fn read_image(path: impl AsRef<Path>) -> Result<Image, FormatError> {
     let source = Source::open(path.as_ref())?;
     decode(&source, source.container()?).map(|decoded| decoded.image)
@@ -32,18 +41,48 @@ pub fn read_image(path: impl AsRef<Path>) -> Result<Image, FormatError> {
 
 /// Decodes a picture of a known container.
 pub(crate) fn decode(source: &Source, container: Container) -> Result<Decoded, FormatError> {
+    let wrong = |what: &str| {
+        source.wrong_kind(
+            format!("a {} file of {what}", container.name()),
+            "a picture is needed: PNG, PGM/PPM, JPEG or TIFF of 8 or 16 bit",
+        )
+    };
     match container {
         Container::Png => png::decode(source),
-        Container::Pnm | Container::Jpeg | Container::Tiff | Container::Pfm | Container::Npy => {
-            Err(source.wrong_kind(
-                format!("a {} file", container.name()),
-                "a picture is needed: PNG, PGM/PPM, JPEG or TIFF",
-            ))
-        }
+        Container::Pnm => pnm::decode(source),
+        Container::Jpeg => jpeg::decode(source),
+        Container::Tiff => match tiff::decode(source)? {
+            tiff::Content::Picture(decoded) => Ok(decoded),
+            tiff::Content::Floats(_) => Err(wrong("floats")),
+        },
+        Container::Pfm => Err(wrong("floats")),
+        Container::Npy => Err(wrong("numbers")),
     }
 }
 
-/// Writes a picture as 8 or 16-bit PNG, whole or not at all.
+/// Writes a picture whole or not at all, its format by extension: `.png`, or `.pgm` (grey) and
+/// `.ppm` (colour), all 8 or 16 bit as the picture is.
 pub fn write_image(path: impl AsRef<Path>, image: &Image) -> Result<(), FormatError> {
-    atomic::write_atomically(path, |writer| png::encode(image, writer))
+    let path = path.as_ref();
+    let grey = matches!(image, Image::Grey8(_) | Image::Grey16(_));
+    match extension(path).as_deref() {
+        Some("png") => write_atomically(path, |writer| png::encode(image, writer)),
+        Some("pgm") if grey => write_atomically(path, |writer| pnm::encode(image, writer)),
+        Some("ppm") if !grey => write_atomically(path, |writer| pnm::encode(image, writer)),
+        Some("pgm") => Err(unfit(path, "a .pgm holds grey and this is colour: write .ppm or .png")),
+        Some("ppm") => Err(unfit(path, "a .ppm holds colour and this is grey: write .pgm or .png")),
+        _ => Err(FormatError::UnknownExtension {
+            path: path.to_owned(),
+            known: ".png, .pgm (grey), .ppm (colour)",
+        }),
+    }
+}
+
+fn unfit(path: &Path, problem: &str) -> FormatError {
+    FormatError::Write { path: path.to_owned(), problem: problem.to_owned(), source: None }
+}
+
+/// The extension in lower case.
+pub(crate) fn extension(path: &Path) -> Option<String> {
+    path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)
 }

@@ -6,11 +6,14 @@ mod disparity;
 mod encoding;
 mod error;
 mod image;
+mod jpeg;
 mod netpbm;
 pub mod npy;
 mod pfm;
 mod png;
+mod pnm;
 mod source;
+mod tiff;
 
 pub use atomic::write_atomically;
 pub use disparity::{ReadDisparity, implausible_scale, read_disparity, write_disparity};

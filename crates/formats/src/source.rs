@@ -96,6 +96,12 @@ impl Source {
         Ok(Self { path: path.to_owned(), bytes })
     }
 
+    /// Bytes that come from a test.
+    #[cfg(test)]
+    pub fn of(path: &str, bytes: &[u8]) -> Self {
+        Self { path: path.into(), bytes: bytes.to_vec() }
+    }
+
     /// What the file is, or an error that says what it looks like instead.
     pub fn container(&self) -> Result<Container, FormatError> {
         Container::of(&self.bytes).ok_or_else(|| {

@@ -1,0 +1,138 @@
+//! TIFF and BigTIFF by the crate `tiff`: grey and RGB of 8 and 16 bit, and float32 for
+//! disparities; plain, LZW, Deflate or PackBits. The first picture of the file is read, alpha is
+//! dropped (the colour samples stay as stored).
+
+use std::io::{self, Cursor, Write};
+
+use raster::{Image, Plane};
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+use tiff::tags::Tag;
+use tiff::{ColorType, TiffError};
+
+use crate::FormatError;
+use crate::image::{Decoded, Stored};
+use crate::source::{Container, Source};
+
+const FORMAT: Container = Container::Tiff;
+
+/// LZW's longest string is 3840 bytes for 12 bits; Deflate and PackBits shrink less.
+const LARGEST_RATIO: u64 = 2560;
+
+/// What a TIFF file holds.
+pub(crate) enum Content {
+    /// Grey or colour of 8 or 16 bit.
+    Picture(Decoded),
+    /// One float a pixel; not finite becomes NaN.
+    Floats(Plane<f32>),
+}
+
+/// Decodes the first picture of a TIFF file.
+pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
+    let failed = |error: TiffError| explain(source, error);
+    let mut decoder = Decoder::new(Cursor::new(&source.bytes[..])).map_err(failed)?;
+    let (columns, rows) = decoder.dimensions().map_err(failed)?;
+    let color = decoder.colortype().map_err(failed)?;
+    let bits = u64::from(color.bit_depth()) * u64::from(color.num_samples());
+    let (columns, rows) =
+        source.check_size(FORMAT, u64::from(columns), u64::from(rows), |pixels| {
+            pixels * bits / 8 / LARGEST_RATIO
+        })?;
+    let planar: Option<u16> =
+        decoder.find_tag_unsigned(Tag::PlanarConfiguration).map_err(failed)?;
+    if planar == Some(2) && color.num_samples() > 1 {
+        return Err(source.wrong_kind(
+            "a TIFF whose colours are stored plane by plane",
+            "interleaved colours are needed: save it again as such",
+        ));
+    }
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = (columns * rows).saturating_mul(bits as usize).div_ceil(8);
+    limits.intermediate_buffer_size = source.bytes.len();
+    let mut decoder = decoder.with_limits(limits);
+    let mut samples = DecodingResult::U8(Vec::new());
+    decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
+    content(source, columns, rows, color, samples)
+}
+
+fn content(
+    source: &Source,
+    columns: usize,
+    rows: usize,
+    color: ColorType,
+    samples: DecodingResult,
+) -> Result<Content, FormatError> {
+    let wrong_size = |e: raster::SizeError| source.malformed(FORMAT, None, e.to_string());
+    let stored = |samples, bits, exact| Stored { samples, bits, exact };
+    let (image, stored) = match (color, samples) {
+        (ColorType::Gray(32), DecodingResult::F32(values)) => {
+            let keep = |v: f32| if v.is_finite() { v } else { f32::NAN };
+            let values = values.into_iter().map(keep).collect();
+            return Plane::new(columns, rows, values).map(Content::Floats).map_err(wrong_size);
+        }
+        (ColorType::Gray(8), DecodingResult::U8(v)) => {
+            (Plane::new(columns, rows, v).map(Image::Grey8), stored("grey", 8, true))
+        }
+        (ColorType::Gray(16), DecodingResult::U16(v)) => {
+            (Plane::new(columns, rows, v).map(Image::Grey16), stored("grey", 16, true))
+        }
+        (ColorType::GrayA(8), DecodingResult::U8(v)) => {
+            let v = v.as_chunks().0.iter().map(|&[v, _]| v).collect();
+            (Plane::new(columns, rows, v).map(Image::Grey8), stored("grey with alpha", 8, false))
+        }
+        (ColorType::GrayA(16), DecodingResult::U16(v)) => {
+            let v = v.as_chunks().0.iter().map(|&[v, _]| v).collect();
+            (Plane::new(columns, rows, v).map(Image::Grey16), stored("grey with alpha", 16, false))
+        }
+        (ColorType::RGB(8), DecodingResult::U8(v)) => {
+            let v = v.as_chunks().0.to_vec();
+            (Plane::new(columns, rows, v).map(Image::Rgb8), stored("colour", 8, true))
+        }
+        (ColorType::RGB(16), DecodingResult::U16(v)) => {
+            let v = v.as_chunks().0.to_vec();
+            (Plane::new(columns, rows, v).map(Image::Rgb16), stored("colour", 16, true))
+        }
+        (ColorType::RGBA(8), DecodingResult::U8(v)) => {
+            let v = v.as_chunks().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+            (Plane::new(columns, rows, v).map(Image::Rgb8), stored("colour with alpha", 8, false))
+        }
+        (ColorType::RGBA(16), DecodingResult::U16(v)) => {
+            let v = v.as_chunks().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+            (Plane::new(columns, rows, v).map(Image::Rgb16), stored("colour with alpha", 16, false))
+        }
+        (color, _) => {
+            return Err(source.wrong_kind(
+                format!("a TIFF of {color:?} samples"),
+                "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed",
+            ));
+        }
+    };
+    Ok(Content::Picture(Decoded { image: image.map_err(wrong_size)?, stored }))
+}
+
+fn explain(source: &Source, error: TiffError) -> FormatError {
+    match error {
+        TiffError::UnsupportedError(what) => source.wrong_kind(
+            format!("a TIFF of a kind that is not read ({what})"),
+            "save it uncompressed or with LZW or Deflate, 8 or 16 bit grey or RGB, or float32",
+        ),
+        TiffError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => source.malformed(
+            FORMAT,
+            source.bytes.len() as u64,
+            "the file ends early: was it copied whole?",
+        ),
+        error => source.malformed(FORMAT, None, error.to_string()),
+    }
+}
+
+/// Writes one float a pixel, uncompressed, NaN as NaN.
+pub(crate) fn encode(values: &Plane<f32>, writer: &mut dyn Write) -> io::Result<()> {
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    let (columns, rows) = (side(values.columns())?, side(values.rows())?);
+    // The encoder seeks back and forth, which a pipe cannot.
+    let mut file = Cursor::new(Vec::new());
+    TiffEncoder::new(&mut file)
+        .and_then(|mut tiff| tiff.write_image::<Gray32Float>(columns, rows, values.samples()))
+        .map_err(io::Error::other)?;
+    writer.write_all(file.get_ref())
+}
