@@ -1,0 +1,53 @@
+//! Sets of scenes that measurements share.
+
+use crate::kinds::Kind;
+use crate::settings::{Depth, Settings};
+
+/// The scenes that `hazcam demo` renders and matches: small, and each hard in its own way.
+pub fn demo_scenes() -> Vec<Settings> {
+    vec![Settings::new(Kind::Cards, 1)]
+}
+
+/// Scenes that each strain one assumption of a matcher, with a label that says which and how
+/// much. Scenes of one family differ in nothing else, so that what grows is due to it.
+pub fn stress_scenes() -> Vec<(String, Settings)> {
+    let mut scenes = Vec::new();
+    let base = Settings::new(Kind::Cards, 1);
+    let mut add = |label: String, change: &dyn Fn(&mut Settings)| {
+        let mut settings = base.clone();
+        change(&mut settings);
+        scenes.push((label, settings));
+    };
+    add("plain".into(), &|_| {});
+    for stops in [-2, -1, 1] {
+        let factor = if stops < 0 { 1.0 / f64::from(1 << -stops) } else { f64::from(1 << stops) };
+        add(format!("right exposure {stops:+} stops"), &|s| s.right_exposure = factor);
+    }
+    for gain in [0.7, 1.3] {
+        add(format!("right gain {gain}"), &|s| s.right_gain = gain);
+    }
+    for gamma in [0.6, 1.6] {
+        add(format!("right gamma {gamma}"), &|s| s.right_gamma = gamma);
+    }
+    for offset in [0.5, 1.0, 1.5, 2.0] {
+        add(format!("vertical offset {offset} px"), &|s| s.vertical_offset = offset);
+    }
+    for noise in [0.0, 2.0, 5.0, 10.0, 20.0] {
+        add(format!("noise {noise}"), &|s| s.noise = noise);
+    }
+    add("16 bit".into(), &|s| s.depth = Depth::Sixteen);
+    for contrast in [0.5, 0.2, 0.0] {
+        add(format!("texture contrast {contrast}"), &|s| s.contrast = contrast);
+    }
+    for exposure in [0.1, 4.0, 16.0] {
+        add(format!("exposure {exposure}"), &|s| s.exposure = exposure);
+    }
+    for count in [1, 2, 16, 128, 256, 512] {
+        add(format!("{count} disparities"), &|s| s.max_disparity = count - 1);
+    }
+    add("disparities -16 to 47".into(), &|s| (s.min_disparity, s.max_disparity) = (-16, 47));
+    for columns in [32, 8, 1] {
+        add(format!("{columns} columns"), &|s| s.columns = columns);
+    }
+    scenes
+}
