@@ -1,0 +1,159 @@
+//! KITTI's D1, and how its development kit fills holes before scoring.
+//!
+//! Menze & Geiger: *Object scene flow for autonomous vehicles*, CVPR 2015, and the benchmark's
+//! development kit. A pixel is an outlier when its error exceeds both 3 px and 5 % of the truth:
+//!
+//! ```text
+//! D1 = 1/N #{ |estimate - truth| > 3  and  |estimate - truth| > 0.05 |truth| }
+//! ```
+//!
+//! The benchmark scores dense maps: [`fill_from_background`] closes the holes first, from the whole
+//! map, also from outside the region. [`Kitti::d1`] is the number after filling ("All / All" on the
+//! benchmark's pages), [`Kitti::d1_est`] that of the pixels that had an estimate ("All / Est"), and
+//! the density belongs beside it. Whether the score is `noc` or `occ` is decided by the truth or
+//! the mask that it is given.
+
+use raster::Plane;
+use serde::Serialize;
+
+use crate::Pixels;
+
+/// An outlier is off by more than this many pixels ...
+const PIXELS: f64 = 3.0;
+/// ... and by more than this share of the true disparity.
+const SHARE: f64 = 0.05;
+
+/// KITTI's outlier rate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Kitti {
+    /// Share of outliers after holes were filled from the background. A pixel that could not be
+    /// filled is an outlier.
+    pub d1: f64,
+    /// Share of outliers among the pixels with an estimate; `None` without any.
+    pub d1_est: Option<f64>,
+    /// Share of the scored pixels that had an estimate before filling.
+    pub density: f64,
+    /// What was counted, and how.
+    pub protocol: String,
+}
+
+/// D1 of the pixels, whose estimate is the map as it is, and of the same pixels in `filled`, which
+/// is that map after [`fill_from_background`].
+pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
+    let outlier =
+        |error: f64, truth: f64| error.abs() > PIXELS && error.abs() > SHARE * truth.abs();
+    let (mut estimates, mut of_estimates) = (0usize, 0usize);
+    for pixel in pixels.iter() {
+        if let Some(error) = pixel.error() {
+            estimates += 1;
+            of_estimates += usize::from(outlier(error, pixel.truth));
+        }
+    }
+    let after_filling = pixels
+        .with_estimate(filled)
+        .iter()
+        .filter(|pixel| pixel.error().is_none_or(|error| outlier(error, pixel.truth)))
+        .count();
+    Kitti {
+        d1: after_filling as f64 / pixels.count() as f64,
+        d1_est: (estimates > 0).then(|| of_estimates as f64 / estimates as f64),
+        density: pixels.density(),
+        protocol: format!(
+            "KITTI 2015: {} pixels with known truth in {}; an outlier is off by > {PIXELS} px and \
+             > {} %; D1 after {} holes were filled from the background in their row, D1-est of \
+             the estimates only",
+            pixels.count(),
+            pixels.describe(),
+            SHARE * 100.0,
+            pixels.holes()
+        ),
+    }
+}
+
+/// Closes holes as KITTI's development kit does.
+///
+/// Along each row, a gap between two values takes the smaller of them (the farther surface: the
+/// background), and gaps at the row's ends take the nearest value. Rows without any value above the
+/// first or below the last row that has one copy that row; such rows in between stay holes, as
+/// they do in the kit. Values that exist are never changed.
+pub fn fill_from_background(map: &Plane<f32>) -> Plane<f32> {
+    let mut filled = map.clone();
+    let mut rows_with_values = Vec::new();
+    for y in 0..filled.rows() {
+        if fill_row(filled.row_mut(y)) {
+            rows_with_values.push(y);
+        }
+    }
+    if let (Some(&first), Some(&last)) = (rows_with_values.first(), rows_with_values.last()) {
+        let (top, bottom) = (filled.row(first).to_vec(), filled.row(last).to_vec());
+        (0..first).for_each(|y| filled.row_mut(y).copy_from_slice(&top));
+        (last + 1..filled.rows()).for_each(|y| filled.row_mut(y).copy_from_slice(&bottom));
+    }
+    filled
+}
+
+/// Fills one row; false when it holds no value at all.
+fn fill_row(row: &mut [f32]) -> bool {
+    let Some(first) = row.iter().position(|value| value.is_finite()) else { return false };
+    let leading = row[first];
+    row[..first].fill(leading);
+    let mut previous = first;
+    for x in first + 1..row.len() {
+        if row[x].is_finite() {
+            let background = row[previous].min(row[x]);
+            row[previous + 1..x].fill(background);
+            previous = x;
+        }
+    }
+    let trailing = row[previous];
+    row[previous + 1..].fill(trailing);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Region;
+    use crate::pixels::tests::row;
+
+    const N: f32 = f32::NAN;
+
+    fn of(estimate: &[f32], truth: &[f32]) -> Kitti {
+        let (estimate, truth) = row(estimate, truth);
+        let pixels = Pixels::select(&estimate, &truth, &Region::whole()).unwrap();
+        kitti(&pixels, &fill_from_background(&estimate))
+    }
+
+    #[test]
+    fn an_outlier_exceeds_both_thresholds() {
+        // Off by 4 of 100 (4 %), 4 of 50 (8 %), 3 of 10 (not more than 3 px), 2.5 of 5.
+        let got = of(&[104.0, 54.0, 13.0, 7.5], &[100.0, 50.0, 10.0, 5.0]);
+        assert_eq!((got.d1, got.d1_est, got.density), (0.25, Some(0.25), 1.0));
+    }
+
+    #[test]
+    fn holes_are_filled_for_d1_and_left_out_of_d1_est() {
+        // The gap takes 10, which is right for the first hole and wrong for the second.
+        let got = of(&[10.0, N, N, 30.0], &[10.0, 10.0, 30.0, 30.0]);
+        assert_eq!((got.d1, got.d1_est, got.density), (0.25, Some(0.0), 0.5));
+        let nothing = of(&[N, N], &[10.0, 10.0]);
+        assert_eq!((nothing.d1, nothing.d1_est), (1.0, None));
+    }
+
+    #[test]
+    fn gaps_take_the_smaller_neighbour_and_ends_the_nearest() {
+        let map = Plane::new(6, 1, vec![N, 5.0, N, N, 3.0, N]).unwrap();
+        assert_eq!(fill_from_background(&map).samples(), [5.0, 5.0, 3.0, 3.0, 3.0, 3.0]);
+    }
+
+    #[test]
+    fn rows_without_values_take_the_nearest_row_at_top_and_bottom() {
+        let map = Plane::new(1, 5, vec![N, 2.0, N, 7.0, N]).unwrap();
+        let filled = fill_from_background(&map);
+        assert_eq!(filled.samples()[..2], [2.0, 2.0]);
+        assert!(filled.samples()[2].is_nan(), "the kit leaves a whole row in between empty");
+        assert_eq!(filled.samples()[3..], [7.0, 7.0]);
+        let empty = Plane::filled(2, 2, N);
+        assert!(fill_from_background(&empty).samples().iter().all(|v| v.is_nan()));
+    }
+}

@@ -1,0 +1,64 @@
+//! Are estimate and truth on the same scale?
+//!
+//! Files hold disparities times 4 (the course's 8-bit PNG), times 256 (KITTI), times 16 (OpenCV),
+//! times 3 or 2 (smaller Middlebury images). Reading one of them without its factor gives a score
+//! that looks like a very bad matcher: the most common mistake with these data sets.
+
+use crate::Pixels;
+
+/// Factors that occur between files.
+const FACTORS: [f64; 6] = [2.0, 3.0, 4.0, 8.0, 16.0, 256.0];
+/// An error above this many pixels is bad.
+const BAD: f64 = 2.0;
+
+/// The factor by which the estimate seems to be too large (below 1: too small), or `None`.
+///
+/// It is suspected only when most estimates are bad as they are and dividing them by the factor
+/// makes fewer than half as many bad. A guess for a message: nothing is rescaled.
+pub fn suspected_scale(pixels: &Pixels<'_>) -> Option<f64> {
+    let bad = |factor: f64| {
+        pixels
+            .iter()
+            .filter(|pixel| pixel.estimate.is_some_and(|e| (e / factor - pixel.truth).abs() > BAD))
+            .count()
+    };
+    let as_it_is = bad(1.0);
+    if 2 * as_it_is <= pixels.count() - pixels.holes() {
+        return None;
+    }
+    let (fewest, factor) = FACTORS
+        .into_iter()
+        .flat_map(|factor| [factor, 1.0 / factor])
+        .map(|factor| (bad(factor), factor))
+        .min_by_key(|&(bad, _)| bad)?;
+    (2 * fewest < as_it_is).then_some(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Region;
+    use raster::Plane;
+
+    fn suspicion(estimate: impl Fn(f32) -> f32) -> Option<f64> {
+        let truth = Plane::from_fn(50, 1, |x, _| 10.0 + x as f32);
+        let estimate = truth.map(|&d| estimate(d));
+        suspected_scale(&Pixels::select(&estimate, &truth, &Region::whole()).unwrap())
+    }
+
+    #[test]
+    fn a_factor_between_the_files_is_found() {
+        for factor in FACTORS {
+            assert_eq!(suspicion(|d| d * factor as f32), Some(factor));
+            assert_eq!(suspicion(|d| d / factor as f32), Some(1.0 / factor));
+        }
+    }
+
+    #[test]
+    fn a_bad_matcher_is_not_taken_for_a_factor() {
+        assert_eq!(suspicion(|d| d), None);
+        assert_eq!(suspicion(|d| d + 40.0), None);
+        assert_eq!(suspicion(|_| 0.0), None);
+        assert_eq!(suspicion(|_| f32::NAN), None);
+    }
+}
