@@ -11,6 +11,8 @@
 //! `|dZ| = Z^2 |dd| / (f B)`. See Scharstein et al., *High-resolution stereo datasets with
 //! subpixel-accurate ground truth*, GCPR 2014, for `doffs`.
 
+use raster::Plane;
+
 /// A number of a camera is not usable.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("the camera's {field} is {value}, but it must be {allowed}")]
@@ -24,7 +26,7 @@ pub struct CameraError {
 }
 
 /// A rectified pair of pinhole cameras. See the crate's documentation for the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct StereoCamera {
     /// Focal length of both cameras in pixels, positive.
     pub focal_px: f64,
@@ -94,6 +96,11 @@ impl StereoCamera {
         })
     }
 
+    /// Depth in metres of each disparity in pixels; NaN where there is none, in or out.
+    pub fn depth_map(&self, disparities: &Plane<f32>) -> Plane<f32> {
+        disparities.map(|&d| self.depth(f64::from(d)).map_or(f32::NAN, |depth| depth as f32))
+    }
+
     /// The point `[X, Y, Z]` in metres that left pixel `(x, y)` shows at a disparity in pixels.
     ///
     /// `None` where [`StereoCamera::depth`] is.
@@ -161,6 +168,14 @@ mod tests {
     fn a_pixel_and_its_disparity_are_a_point() {
         // Z = 4 m; (720 - 320) * 4 / 800 = 2 m right, (40 - 240) * 4 / 800 = 1 m up.
         assert_eq!(camera(0.0).point(720.0, 40.0, 50.0), Some([2.0, -1.0, 4.0]));
+    }
+
+    #[test]
+    fn a_map_keeps_its_holes() {
+        let map = Plane::new(4, 1, vec![50.0, f32::NAN, 0.0, 100.0]).unwrap();
+        let depth = camera(0.0).depth_map(&map);
+        assert_eq!((depth.samples()[0], depth.samples()[3]), (4.0, 2.0));
+        assert!(depth.samples()[1].is_nan() && depth.samples()[2].is_nan());
     }
 
     #[test]

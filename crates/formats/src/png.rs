@@ -129,10 +129,7 @@ pub(crate) fn encode(image: &Image, writer: &mut dyn Write) -> io::Result<()> {
         Image::Grey8(p) => {
             encode_bytes(writer, columns, rows, ColorType::Grayscale, BitDepth::Eight, p.samples())
         }
-        Image::Rgb8(p) => {
-            let bytes = p.samples().as_flattened();
-            encode_bytes(writer, columns, rows, ColorType::Rgb, BitDepth::Eight, bytes)
-        }
+        Image::Rgb8(p) => encode_rgb(p, writer),
         Image::Grey16(p) => {
             let bytes: Vec<u8> = p.samples().iter().flat_map(|v| v.to_be_bytes()).collect();
             encode_bytes(writer, columns, rows, ColorType::Grayscale, BitDepth::Sixteen, &bytes)
@@ -143,6 +140,13 @@ pub(crate) fn encode(image: &Image, writer: &mut dyn Write) -> io::Result<()> {
             encode_bytes(writer, columns, rows, ColorType::Rgb, BitDepth::Sixteen, &bytes)
         }
     }
+}
+
+/// Encodes 8-bit colour.
+pub(crate) fn encode_rgb(picture: &Plane<[u8; 3]>, writer: &mut dyn Write) -> io::Result<()> {
+    let (columns, rows) = picture.size();
+    let bytes = picture.samples().as_flattened();
+    encode_bytes(writer, columns, rows, ColorType::Rgb, BitDepth::Eight, bytes)
 }
 
 fn encode_bytes(

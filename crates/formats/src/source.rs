@@ -61,6 +61,12 @@ impl Container {
     }
 }
 
+impl From<Container> for &'static str {
+    fn from(container: Container) -> Self {
+        container.name()
+    }
+}
+
 /// White space as Netpbm defines it; a comment may begin right after the magic number as well.
 fn is_blank(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == 0x0b || byte == b'#'
@@ -115,13 +121,13 @@ impl Source {
 
     pub fn malformed(
         &self,
-        format: Container,
+        format: impl Into<&'static str>,
         offset: impl Into<Option<u64>>,
         problem: impl Into<String>,
     ) -> FormatError {
         FormatError::Malformed {
             path: self.path.clone(),
-            format: format.name(),
+            format: format.into(),
             offset: offset.into(),
             problem: problem.into(),
         }

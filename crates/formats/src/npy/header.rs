@@ -60,6 +60,11 @@ impl Dtype {
         }
     }
 
+    /// Whether the elements are whole numbers (truth values are not).
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::Bool | Self::Float32 | Self::Float64)
+    }
+
     /// The code in `descr` behind the byte order.
     fn from_code(code: &str) -> Option<Self> {
         Some(match code {

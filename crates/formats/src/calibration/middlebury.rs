@@ -1,0 +1,111 @@
+//! Middlebury's `calib.txt`, also ETH3D's, and the lunar set's own keys.
+
+use super::{Calibration, CalibrationLayout, Entries};
+use crate::FormatError;
+
+/// `cam0`, `cam1`, `doffs`, `baseline` in millimetres, and what helps with display.
+pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
+    let cam0: [f64; 9] = entries.numbers("cam0")?;
+    let cam1: [f64; 9] = entries.numbers("cam1")?;
+    if cam0[0] != cam1[0] {
+        let problem = format!(
+            "cam0 and cam1 have the focal lengths {} and {}: a rectified pair has one",
+            cam0[0], cam1[0]
+        );
+        return Err(entries.fail(None, problem));
+    }
+    let doffs = match entries.has("doffs") {
+        true => entries.number("doffs")?,
+        false => cam1[2] - cam0[2],
+    };
+    let baseline_m = entries.number("baseline")? / 1000.0;
+    let isint: Option<u8> = entries.optional("isint", "0 or 1")?;
+    Ok(Calibration {
+        layout: CalibrationLayout::Middlebury,
+        camera: entries.camera(cam0[0], baseline_m, doffs, cam0[2], cam0[5])?,
+        colour_camera: None,
+        width: entries.optional("width", "a whole number")?,
+        height: entries.optional("height", "a whole number")?,
+        ndisp: entries.optional("ndisp", "a whole number")?,
+        isint: isint.map(|flag| flag != 0),
+        vmin: entries.optional("vmin", "a number")?,
+        vmax: entries.optional("vmax", "a number")?,
+    })
+}
+
+/// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
+pub(super) fn parse_lunar(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
+    let (cx0, cx1) = (entries.number("cx0")?, entries.number("cx1")?);
+    let doffs = match entries.has("doffs") {
+        true => entries.number("doffs")?,
+        false => cx1 - cx0,
+    };
+    let (focal, baseline) = (entries.number("f")?, entries.number("baseline_m")?);
+    Ok(Calibration {
+        layout: CalibrationLayout::Lunar,
+        camera: entries.camera(focal, baseline, doffs, cx0, entries.number("cy")?)?,
+        colour_camera: None,
+        width: None,
+        height: None,
+        ndisp: None,
+        isint: None,
+        vmin: None,
+        vmax: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::read;
+    use super::*;
+    use camera::StereoCamera;
+
+    const SAMPLE: &str = "cam0=[ 1038.018 0 322.037 ; 0 1038.018 243.393 ; 0 0 1 ] \n\
+        cam1=[1038.018 0 375.308; 0 1038.018 243.393; 0 0 1]\r\n doffs= 53.271 \n\
+        baseline= 176.25\n width= 718\nheight= 496\n ndisp= 73\n isint=0\n vmin= 8 \nvmax= 65\n \
+        dyavg= 0.184\n";
+
+    #[test]
+    fn millimetres_become_metres_and_spaces_do_not_matter() {
+        let calibration = read(SAMPLE).unwrap();
+        let expected = StereoCamera::new(1038.018, 0.17625, 53.271, 322.037, 243.393).unwrap();
+        assert_eq!(calibration.camera, expected);
+        assert_eq!((calibration.width, calibration.height), (Some(718), Some(496)));
+        assert_eq!((calibration.ndisp, calibration.isint), (Some(73), Some(false)));
+        assert_eq!((calibration.vmin, calibration.vmax), (Some(8.0), Some(65.0)));
+    }
+
+    #[test]
+    fn without_doffs_the_principal_points_tell() {
+        let text = SAMPLE.replace(" doffs= 53.271 \n", "");
+        assert!((read(&text).unwrap().camera.doffs - 53.271).abs() < 1e-9);
+    }
+
+    #[test]
+    fn broken_lines_are_named() {
+        for (from, to, word) in [
+            ("baseline= 176.25", "", "`baseline` is missing"),
+            ("baseline= 176.25", "baseline= -1", "baseline in metres"),
+            ("baseline= 176.25", "baseline= x", "`baseline` is `x`"),
+            ("0 0 1 ]", "0 0 ]", "must be 9 numbers"),
+            ("ndisp= 73", "ndisp= 7.3", "near byte"),
+            ("width= 718", "height= 718", "twice"),
+            ("cam1=[1038.018", "cam1=[1038.5", "focal lengths"),
+        ] {
+            let error = read(&SAMPLE.replace(from, to)).unwrap_err();
+            assert!(error.contains(word), "{error}");
+        }
+    }
+
+    #[test]
+    fn lunar_keys_are_in_metres() {
+        let text = "f=618.5\ncx0=231.5\ncx1=264.5\ncy=254.25\ndoffs=33\nbaseline_m=2164.5\n";
+        let calibration = read(text).unwrap();
+        assert_eq!(calibration.layout, CalibrationLayout::Lunar);
+        let expected = StereoCamera::new(618.5, 2164.5, 33.0, 231.5, 254.25).unwrap();
+        assert_eq!(calibration.camera, expected);
+        let without = read(&text.replace("doffs=33\n", "")).unwrap();
+        assert_eq!(without.camera, expected);
+        assert!(read(&text.replace("cy", "cz")).unwrap_err().contains("`cy` is missing"));
+    }
+}

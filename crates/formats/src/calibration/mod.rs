@@ -1,0 +1,208 @@
+//! Calibration files of rectified pairs: Middlebury and ETH3D, KITTI, and the rendered lunar set.
+//!
+//! | layout | camera | baseline | right camera |
+//! | --- | --- | --- | --- |
+//! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
+//! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
+//! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
+
+mod kitti;
+mod middlebury;
+
+use std::path::Path;
+
+use camera::StereoCamera;
+
+use crate::FormatError;
+use crate::source::Source;
+
+/// What a calibration file says.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Calibration {
+    /// How the file is laid out.
+    pub layout: CalibrationLayout,
+    /// The pair. For KITTI the grey one (cameras 0 and 1) where the file has it, else the colour
+    /// one; see [`Calibration::camera_of`].
+    pub camera: StereoCamera,
+    /// KITTI's colour pair (cameras 2 and 3), whose baseline differs by some millimetres.
+    pub colour_camera: Option<StereoCamera>,
+    /// Columns of the images.
+    pub width: Option<usize>,
+    /// Rows of the images.
+    pub height: Option<usize>,
+    /// A bound on the number of disparities: they lie within `0..=ndisp - 1`.
+    pub ndisp: Option<usize>,
+    /// Whether the truth has whole disparities only.
+    pub isint: Option<bool>,
+    /// A tight bound on the smallest disparity, meant for display.
+    pub vmin: Option<f64>,
+    /// A tight bound on the largest disparity, meant for display.
+    pub vmax: Option<f64>,
+}
+
+/// How a calibration file is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum CalibrationLayout {
+    /// Middlebury 2014, MiddEval3 and ETH3D.
+    Middlebury,
+    /// KITTI 2012, 2015 and raw.
+    Kitti,
+    /// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
+    Lunar,
+}
+
+impl Calibration {
+    /// The camera of a left image, by the folder it lies in: KITTI's `image_2`, `image_02` and
+    /// `colored_0` belong to the colour pair, everything else to [`Calibration::camera`].
+    pub fn camera_of(&self, left: impl AsRef<Path>) -> StereoCamera {
+        let colour = left.as_ref().components().any(|part| {
+            matches!(part.as_os_str().to_str(), Some("image_2" | "image_02" | "colored_0"))
+        });
+        match self.colour_camera {
+            Some(camera) if colour => camera,
+            _ => self.camera,
+        }
+    }
+}
+
+/// Calibration files are short; what is longer is something else.
+const LONGEST: usize = 1 << 20;
+
+/// Reads a calibration file; which layout it has is decided by its content.
+///
+/// Errors: [`FormatError::WrongKind`] when it is no text or has none of the layouts,
+/// [`FormatError::Malformed`] with the line's offset when a number is missing or not usable.
+pub fn read_calibration(path: impl AsRef<Path>) -> Result<Calibration, FormatError> {
+    parse(&Source::open(path.as_ref())?)
+}
+
+/// The calibration in a file's text.
+pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
+    let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
+                  P_rect_02: and P_rect_03: (KITTI), or f= and baseline_m=";
+    let text = match std::str::from_utf8(&source.bytes) {
+        Ok(text) if text.len() <= LONGEST => text,
+        _ => return Err(source.wrong_kind("no short text", needed)),
+    };
+    let entries = Entries::of(source, text);
+    if entries.has("cam0") {
+        middlebury::parse(&entries)
+    } else if entries.has("baseline_m") {
+        middlebury::parse_lunar(&entries)
+    } else if kitti::is_kitti(&entries) {
+        kitti::parse(&entries)
+    } else {
+        Err(source.wrong_kind("a text without a camera", needed))
+    }
+}
+
+/// The lines of a file as key and value, split at the first `=` or `:`.
+struct Entries<'a> {
+    source: &'a Source,
+    entries: Vec<Entry<'a>>,
+}
+
+struct Entry<'a> {
+    key: &'a str,
+    value: &'a str,
+    /// Where the line begins.
+    at: u64,
+}
+
+impl<'a> Entries<'a> {
+    fn of(source: &'a Source, text: &'a str) -> Self {
+        let mut at = 0;
+        let mut entries = Vec::new();
+        for line in text.split_inclusive('\n') {
+            if let Some((key, value)) = line.split_once(['=', ':']) {
+                entries.push(Entry { key: key.trim(), value: value.trim(), at });
+            }
+            at += line.len() as u64;
+        }
+        Self { source, entries }
+    }
+
+    fn has(&self, key: &str) -> bool {
+        self.entries.iter().any(|entry| entry.key == key)
+    }
+
+    /// The one entry with this key, or `None`; two of them are an error.
+    fn find(&self, key: &str) -> Result<Option<&Entry<'a>>, FormatError> {
+        let mut found = self.entries.iter().filter(|entry| entry.key == key);
+        let first = found.next();
+        match found.next() {
+            None => Ok(first),
+            Some(second) => Err(self.fail(second.at, format!("`{key}` is there twice"))),
+        }
+    }
+
+    fn need(&self, key: &str) -> Result<&Entry<'a>, FormatError> {
+        self.find(key)?.ok_or_else(|| self.fail(None, format!("`{key}` is missing")))
+    }
+
+    /// A value that may be missing, but not be anything else than a `T`.
+    fn optional<T: std::str::FromStr>(
+        &self,
+        key: &str,
+        what: &str,
+    ) -> Result<Option<T>, FormatError> {
+        let Some(entry) = self.find(key)? else { return Ok(None) };
+        let value = entry.value.parse().map_err(|_| {
+            self.fail(entry.at, format!("`{key}` is `{}`, but must be {what}", entry.value))
+        })?;
+        Ok(Some(value))
+    }
+
+    /// A number that must be there.
+    fn number(&self, key: &str) -> Result<f64, FormatError> {
+        self.need(key)?;
+        Ok(self.optional(key, "a number")?.expect("it is there"))
+    }
+
+    /// Exactly `N` numbers; brackets, commas and semicolons between them do not matter.
+    fn numbers<const N: usize>(&self, key: &str) -> Result<[f64; N], FormatError> {
+        let entry = self.need(key)?;
+        let words = entry.value.split(|c: char| c.is_whitespace() || "[];,".contains(c));
+        let numbers: Option<Vec<f64>> =
+            words.filter(|word| !word.is_empty()).map(|word| word.parse().ok()).collect();
+        numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
+            self.fail(entry.at, format!("`{key}` is `{}`, but must be {N} numbers", entry.value))
+        })
+    }
+
+    fn camera(
+        &self,
+        focal_px: f64,
+        baseline_m: f64,
+        doffs: f64,
+        cx: f64,
+        cy: f64,
+    ) -> Result<StereoCamera, FormatError> {
+        StereoCamera::new(focal_px, baseline_m, doffs, cx, cy)
+            .map_err(|error| self.fail(None, error.to_string()))
+    }
+
+    fn fail(&self, at: impl Into<Option<u64>>, problem: String) -> FormatError {
+        self.source.malformed("calibration", at, problem)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn read(text: &str) -> Result<Calibration, String> {
+        parse(&Source::of("calib.txt", text.as_bytes())).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn what_is_no_calibration_is_refused() {
+        for text in ["", "hello", "a=1\nb=2\n", "P7: 1 2 3\n"] {
+            assert!(read(text).unwrap_err().contains("without a camera"), "{text}");
+        }
+        let error = parse(&Source::of("calib.txt", &[0xff, 0xfe])).unwrap_err().to_string();
+        assert!(error.contains("no short text"), "{error}");
+    }
+}
