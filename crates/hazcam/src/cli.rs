@@ -65,12 +65,16 @@ macro_rules! commands {
 
 commands! {
     "Matching" {
+        Match => match_pair,
+        Score => score,
+        Info => info,
         Explain => explain,
     }
     "This installation" {
         Doctor => doctor,
         Completions => completions,
         Man => man,
+        #[command(hide = true)] SandboxExec => sandbox_exec,
     }
 }
 

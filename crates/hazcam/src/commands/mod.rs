@@ -3,7 +3,11 @@
 pub mod completions;
 pub mod doctor;
 pub mod explain;
+pub mod info;
 pub mod man;
+pub mod match_pair;
+pub mod score;
+pub mod sandbox_exec;
 
 use clap::builder::PossibleValuesParser;
 
