@@ -8,6 +8,7 @@
 use crate::geometry::Ray;
 use crate::noise::fractal;
 use crate::number::{exp2, greatest, smoothstep};
+use crate::random::hash;
 use crate::vector::{Vector, vector};
 use crate::world::{Hit, World};
 
@@ -73,15 +74,17 @@ fn lobe(cosine: f64, gloss: u32) -> f64 {
 }
 
 impl World {
-    /// The light that comes back along a ray from beyond `after`, and the number of the thing it
-    /// comes from. `spread` is the width of the ray per metre of depth. `contrast` as in
-    /// [`crate::Settings::contrast`].
-    pub fn radiance(&self, ray: &Ray, after: f64, spread: f64, contrast: f64) -> (Vector, u32) {
+    /// The light that comes back along a ray from beyond `after`, and what sends it. `spread` is
+    /// the width of the ray per metre of depth. `contrast` as in [`crate::Settings::contrast`].
+    pub fn radiance(&self, ray: &Ray, after: f64, spread: f64, contrast: f64) -> (Vector, Seen) {
         let Some(hit) = self.hit(ray, after) else {
-            return (self.light.sky.colour(ray.direction, self.light.sun, spread, self.seed), SKY);
+            return (
+                self.light.sky.colour(ray.direction, self.light.sun, spread, self.seed),
+                Seen::SKY,
+            );
         };
         let view = ray.direction.normalized();
-        let mut colour = self.reflected(&hit, view, spread * hit.t, contrast);
+        let (mut colour, lit) = self.reflected(&hit, view, spread * hit.t, contrast);
         if hit.material.mirror > 0.0 {
             let direction = view - hit.normal * (2.0 * view.dot(hit.normal));
             let mirrored = Ray { origin: hit.point + hit.normal * clearance(&hit), direction };
@@ -90,7 +93,7 @@ impl World {
             let share = hit.material.mirror * (0.15 + 0.85 * facing * facing * facing);
             let seen = match self.hit(&mirrored, 0.0) {
                 Some(other) => {
-                    self.reflected(&other, direction, spread * (hit.t + other.t), contrast)
+                    self.reflected(&other, direction, spread * (hit.t + other.t), contrast).0
                 }
                 None => self.light.sky.colour(direction, self.light.sun, spread, self.seed),
             };
@@ -103,39 +106,56 @@ impl World {
             let haze = self.light.sky.colour(level, self.light.sun, spread, self.seed);
             colour = haze.mix(colour, clear);
         }
-        (colour, hit.number)
+        (colour, Seen { number: hit.number, part: hit.part, lit })
     }
 
     /// The light that a surface sends towards the viewer; `view` points at the surface.
-    fn reflected(&self, hit: &Hit<'_>, view: Vector, footprint: f64, contrast: f64) -> Vector {
+    fn reflected(
+        &self,
+        hit: &Hit<'_>,
+        view: Vector,
+        footprint: f64,
+        contrast: f64,
+    ) -> (Vector, bool) {
         let light = &self.light;
         let material = hit.material;
-        let albedo = material.colour(hit.local, footprint, contrast, self.seed);
+        // Each object has a texture of its own.
+        let seed = hash(self.seed, hit.number.into(), 0, 0);
+        let albedo = material.colour(hit.local, footprint, contrast, seed);
         let mut normal = hit.normal;
         if material.relief > 0.0 {
-            let bump = material.bump(hit.local, footprint, self.seed);
+            let bump = material.bump(hit.local, footprint, seed);
             normal = (normal + bump * contrast).normalized();
         }
         let up = 0.5 + 0.5 * normal.z;
         let mut colour = albedo.scaled(light.below.mix(light.above, up));
         let cosine = normal.dot(light.sun);
-        if cosine > 0.0 && hit.normal.dot(light.sun) > 0.0 {
-            let origin = hit.point + hit.normal * clearance(hit);
-            if !self.is_blocked(&Ray { origin, direction: light.sun }, 0.0) {
-                colour = colour + albedo.scaled(light.sunlight) * cosine;
-                if material.specular > 0.0 {
-                    let half = (light.sun - view).normalized();
-                    let shine = material.specular * lobe(half.dot(normal), material.gloss);
-                    colour = colour + light.sunlight * shine;
-                }
+        let origin = hit.point + hit.normal * clearance(hit);
+        let lit = hit.normal.dot(light.sun) > 0.0
+            && !self.is_blocked(&Ray { origin, direction: light.sun }, 0.0);
+        if lit && cosine > 0.0 {
+            colour = colour + albedo.scaled(light.sunlight) * cosine;
+            if material.specular > 0.0 {
+                let half = (light.sun - view).normalized();
+                let shine = material.specular * lobe(half.dot(normal), material.gloss);
+                colour = colour + light.sunlight * shine;
             }
         }
-        colour
+        (colour, lit)
     }
 }
 
-/// The number of the sky where [`World::radiance`] tells what was seen.
-pub(crate) const SKY: u32 = u32::MAX - 1;
+/// What sends light along a ray: rays of one pixel that see the same need no company.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Seen {
+    number: u32,
+    part: u8,
+    lit: bool,
+}
+
+impl Seen {
+    const SKY: Self = Self { number: u32::MAX - 1, part: 0, lit: true };
+}
 
 /// How far from a surface a new ray begins, so that rounding does not put it inside.
 fn clearance(hit: &Hit<'_>) -> f64 {

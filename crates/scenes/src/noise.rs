@@ -1,12 +1,11 @@
 //! Band-limited noise in space: Perlin's gradient noise and sums of its octaves.
 //!
 //! K. Perlin, *Improving noise* (SIGGRAPH 2002): a random gradient at every whole-numbered point,
-//! blended with a quintic. Gradients come from [`crate::random::hash`], not from a permutation
-//! table, so the noise does not repeat. Octaves finer than the `footprint` of a pixel are faded
+//! blended with a quintic. Gradients come from a hash of the cell, not from a permutation table, so the noise does not repeat. Octaves finer than the `footprint` of a pixel are faded
 //! out, so that both cameras see the same surface instead of two different aliases of it.
 
 use crate::number::smoothstep;
-use crate::random::hash;
+use crate::random::key;
 use crate::vector::{Vector, vector};
 
 /// The dot product of an offset with one of twelve gradients, the edges of a cube.
@@ -18,9 +17,16 @@ fn corner(hash: u64, x: f64, y: f64, z: f64) -> f64 {
         4..=7 => (x, z),
         _ => (y, z),
     };
-    let a = if hash & 1 << 20 == 0 { a } else { -a };
-    let b = if hash & 1 << 21 == 0 { b } else { -b };
+    let a = if hash & 1 << 58 == 0 { a } else { -a };
+    let b = if hash & 1 << 57 == 0 { b } else { -b };
     a + b
+}
+
+/// The whole number below. `f64::floor` is a call on processors without SSE 4.1.
+#[inline]
+fn whole(x: f64) -> i64 {
+    let cut = x as i64;
+    if (cut as f64) > x { cut - 1 } else { cut }
 }
 
 #[inline]
@@ -36,16 +42,14 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
 /// Gradient noise with features about one unit wide: 0 at whole-numbered points, mean 0,
 /// deviation about 0.27, within [-1.05, 1.05].
 pub(crate) fn gradient(p: Vector, seed: u64) -> f64 {
-    let (fx, fy, fz) = (p.x.floor(), p.y.floor(), p.z.floor());
-    let (ix, iy, iz) = (fx as i64, fy as i64, fz as i64);
-    let (x, y, z) = (p.x - fx, p.y - fy, p.z - fz);
+    let (ix, iy, iz) = (whole(p.x), whole(p.y), whole(p.z));
+    let (x, y, z) = (p.x - ix as f64, p.y - iy as f64, p.z - iz as f64);
+    let cell = key(ix, iy, iz).wrapping_add(seed);
     let at = |dx: i64, dy: i64, dz: i64| {
-        corner(
-            hash(seed, ix.wrapping_add(dx), iy.wrapping_add(dy), iz.wrapping_add(dz)),
-            x - dx as f64,
-            y - dy as f64,
-            z - dz as f64,
-        )
+        // One multiplication is mixing enough for a choice among twelve.
+        let folded = cell.wrapping_add(key(dx, dy, dz));
+        let hash = (folded ^ folded >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
+        corner(hash, x - dx as f64, y - dy as f64, z - dz as f64)
     };
     let (u, v, w) = (quintic(x), quintic(y), quintic(z));
     let near = mix(mix(at(0, 0, 0), at(1, 0, 0), u), mix(at(0, 1, 0), at(1, 1, 0), u), v);

@@ -25,7 +25,7 @@ pub(crate) fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
     s * s * (3.0 - 2.0 * s)
 }
 
-/// Base-2 logarithm of a positive normal number, to about 1e-15.
+/// Base-2 logarithm of a positive normal number, to about 1e-12.
 fn log2(x: f64) -> f64 {
     const FRACTION: u64 = (1 << 52) - 1;
     let bits = x.to_bits();
@@ -39,13 +39,13 @@ fn log2(x: f64) -> f64 {
     let s = (m - 1.0) / (m + 1.0);
     let square = s * s;
     let mut series = 0.0;
-    for k in (0..11).rev() {
+    for k in (0..7).rev() {
         series = series * square + 1.0 / f64::from(2 * k + 1);
     }
     exponent + 2.0 * s * series * std::f64::consts::LOG2_E
 }
 
-/// 2 to the power `x`, to about 1e-15 relative; 0 or infinity past the range of `f64`.
+/// 2 to the power `x`, to about 1e-12 relative; 0 or infinity past the range of `f64`.
 pub(crate) fn exp2(x: f64) -> f64 {
     if x < -1020.0 {
         return 0.0;
@@ -56,7 +56,7 @@ pub(crate) fn exp2(x: f64) -> f64 {
     let whole = x.round();
     let y = (x - whole) * std::f64::consts::LN_2;
     let mut series = 1.0;
-    for k in (1..15).rev() {
+    for k in (1..12).rev() {
         series = 1.0 + series * y / f64::from(k);
     }
     series * f64::from_bits(((whole as i64 + 1023) as u64) << 52)
@@ -77,7 +77,7 @@ mod tests {
             let base = f64::from(i) * f64::from(i) * 1e-4;
             for exponent in [-2.5, -1.0, 1.0 / 2.2, 0.5, 1.0, 2.2, 7.0] {
                 let (own, std) = (power(base, exponent), base.powf(exponent));
-                assert!((own / std - 1.0).abs() < 1e-13, "{base}^{exponent}: {own} {std}");
+                assert!((own / std - 1.0).abs() < 1e-10, "{base}^{exponent}: {own} {std}");
             }
         }
         assert_eq!(power(0.0, 0.45), 0.0);

@@ -20,15 +20,19 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+/// A cell's coordinates in one number, linear in each. Odd multipliers keep neighbours apart.
+#[inline]
+pub(crate) fn key(x: i64, y: i64, z: i64) -> u64 {
+    (x as u64)
+        .wrapping_mul(GOLDEN)
+        .wrapping_add((y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f))
+        .wrapping_add((z as u64).wrapping_mul(0x1656_67b1_9e37_79f9))
+}
+
 /// A number that looks random and depends on nothing but its arguments.
 #[inline]
 pub(crate) fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
-    // Odd multipliers keep neighbours apart before the one full mix (Teschner et al. 2003 hash
-    // grid cells alike).
-    mix(seed
-        .wrapping_add((x as u64).wrapping_mul(GOLDEN))
-        .wrapping_add((y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f))
-        .wrapping_add((z as u64).wrapping_mul(0x1656_67b1_9e37_79f9)))
+    mix(seed.wrapping_add(key(x, y, z)))
 }
 
 /// A hash as a number in [0, 1), from its upper 53 bits.

@@ -7,7 +7,8 @@
 //!   by more than [`OCCLUSION_TOLERANCE`], or when the point falls outside the right image, whose
 //!   pixels reach half a pixel beyond their centres.
 //! * **Pictures** average four rays per pixel on a rotated grid, and sixteen where those four see
-//!   different things or very different light. The places of the rays are the same in every pixel
+//!   different things, or some the sun and some a shadow; textures are filtered (see
+//!   [`crate::texture`]) and need no more. The places of the rays are the same in every pixel
 //!   and in both views, so antialiasing adds no noise.
 //!
 //! Rows are independent and computed in parallel; the number of threads changes nothing.
@@ -17,8 +18,8 @@ use raster::{DisparityRange, Image, Plane};
 use rayon::prelude::*;
 
 use crate::kinds::Stage;
+use crate::light::Seen;
 use crate::masks;
-use crate::number::{greatest, least};
 use crate::rig::{Rig, Side};
 use crate::sensor::{Sensor, luma};
 use crate::settings::{Settings, SettingsError};
@@ -62,14 +63,15 @@ pub fn render(settings: &Settings) -> Result<Scene, SettingsError> {
     let Stage { world, rig } = settings.kind.build(settings);
     let left = shaded(&world, &rig, Side::Left, settings);
     let right = shaded(&world, &rig, Side::Right, settings);
-    let truth_left = truth(&world, &rig, Side::Left);
+    let depth = depth(&world, &rig, Side::Left);
+    let truth_left = truth(&depth, &rig);
     let grey = left.map(|&v| 255.0 * luma(v));
     Ok(Scene {
         name: settings.name(),
         left: Sensor::new(settings, Side::Left).read(&left),
         right: Sensor::new(settings, Side::Right).read(&right),
-        truth_right: truth(&world, &rig, Side::Right),
-        occluded: occluded(&world, &rig),
+        truth_right: truth(&self::depth(&world, &rig, Side::Right), &rig),
+        occluded: occluded(&world, &rig, &depth),
         discontinuity: masks::discontinuity(&truth_left),
         textureless: masks::textureless(&grey),
         truth_left,
@@ -98,20 +100,20 @@ fn first_depth(rig: &Rig) -> f64 {
     rig.near * (1.0 - 1e-9)
 }
 
-fn truth(world: &World, rig: &Rig, side: Side) -> Plane<f32> {
-    by_rows(rig, |x, y| {
-        let ray = rig.ray(side, x as f64, y as f64);
-        rig.disparity(world.distance(&ray, first_depth(rig))) as f32
-    })
+/// Depth of the first surface at every pixel's centre; infinity where there is none.
+fn depth(world: &World, rig: &Rig, side: Side) -> Plane<f64> {
+    by_rows(rig, |x, y| world.distance(&rig.ray(side, x as f64, y as f64), first_depth(rig)))
 }
 
-fn occluded(world: &World, rig: &Rig) -> Plane<bool> {
+fn truth(depth: &Plane<f64>, rig: &Rig) -> Plane<f32> {
+    depth.map(|&depth| rig.disparity(depth) as f32)
+}
+
+fn occluded(world: &World, rig: &Rig, depth: &Plane<f64>) -> Plane<bool> {
     let (right_edge, bottom_edge) = (rig.columns as f64 - 0.5, rig.rows as f64 - 0.5);
     by_rows(rig, |x, y| {
-        let (x, y) = (x as f64, y as f64);
-        let depth = world.distance(&rig.ray(Side::Left, x, y), first_depth(rig));
-        let d = rig.disparity(depth);
-        let (x, y) = (x - d, y + rig.vertical);
+        let d = rig.disparity(depth.row(y)[x]);
+        let (x, y) = (x as f64 - d, y as f64 + rig.vertical);
         if !((-0.5..right_edge).contains(&x) && (-0.5..bottom_edge).contains(&y)) {
             return true;
         }
@@ -151,24 +153,13 @@ fn shaded(world: &World, rig: &Rig, side: Side, settings: &Settings) -> Plane<[f
             let ray = rig.ray(side, x as f64 + dx, y as f64 + dy);
             world.radiance(&ray, first_depth(rig), spread, settings.contrast)
         };
-        let first: [(Vector, u32); FIRST_RAYS] = std::array::from_fn(|i| light(RAYS[i]));
+        let first: [(Vector, Seen); FIRST_RAYS] = std::array::from_fn(|i| light(RAYS[i]));
         let mut sum = first.iter().fold(vector(0.0, 0.0, 0.0), |sum, f| sum + f.0);
         let mut count = FIRST_RAYS;
-        if differ(&first) {
+        if first.iter().any(|ray| ray.1 != first[0].1) {
             sum = RAYS[FIRST_RAYS..].iter().fold(sum, |sum, &at| sum + light(at).0);
             count = RAYS.len();
         }
         sensor.respond(sum * (1.0 / count as f64))
     })
-}
-
-/// Whether the rays met different things, or light that differs by half.
-fn differ(rays: &[(Vector, u32); FIRST_RAYS]) -> bool {
-    let (mut low, mut high) = (f64::INFINITY, 0.0);
-    for (colour, _) in rays {
-        let bright = colour.x + colour.y + colour.z;
-        low = least(low, bright);
-        high = greatest(high, bright);
-    }
-    high > 1.5 * low || rays.iter().any(|r| r.1 != rays[0].1)
 }

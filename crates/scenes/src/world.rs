@@ -34,12 +34,16 @@ pub(crate) struct Hit<'a> {
     pub material: &'a Material,
     /// The object's number.
     pub number: u32,
+    /// The part of the object, as in [`crate::geometry::Meeting`].
+    pub part: u8,
 }
 
 impl World {
     pub fn new(objects: Vec<Object>, light: Light, seed: u64) -> Self {
-        let bounds: Vec<_> = objects.iter().map(|o| o.shape.bounds()).collect();
-        Self { tree: Tree::over(&bounds), objects, light, seed }
+        let boxes = objects.iter().zip(0..).flat_map(|(object, number)| {
+            object.shape.boxes().into_iter().map(move |bounds| (bounds, number))
+        });
+        Self { tree: Tree::over(boxes.collect()), objects, light, seed }
     }
 
     /// How far along the ray the first thing is, beyond `after`; infinity for the sky.
@@ -71,7 +75,7 @@ impl World {
         let surface = shape.surface(point, part);
         let facing = surface.normal.dot(ray.direction) <= 0.0;
         let normal = if facing { surface.normal } else { -surface.normal };
-        Some(Hit { t, point, normal, local: surface.local, material, number })
+        Some(Hit { t, point, normal, local: surface.local, material, number, part })
     }
 
     /// Whether anything stands between the ray's origin and infinity.

@@ -7,79 +7,100 @@ use crate::vector::{Vector, vector};
 /// Everything between two corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
-    pub low: Vector,
-    pub high: Vector,
+    /// The low corner, then the high one.
+    corners: [Vector; 2],
 }
 
-/// A ray with the reciprocals of its direction, which boxes are tested with.
+/// A ray made ready for many boxes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PreparedRay {
     origin: Vector,
     reciprocal: Vector,
+    /// Per axis, which corner's face the ray comes to first.
+    first: [usize; 3],
 }
 
 impl Ray {
-    /// The ray made ready for many box tests.
+    /// The ray made ready for many boxes.
     #[inline]
     pub fn prepared(&self) -> PreparedRay {
         // A huge number instead of infinity, so that no product is 0 times infinity.
         let reciprocal = |v: f64| if v.abs() < 1e-150 { 1e150 } else { 1.0 / v };
-        PreparedRay { origin: self.origin, reciprocal: self.direction.map(reciprocal) }
+        let reciprocal = self.direction.map(reciprocal);
+        let first = [reciprocal.x, reciprocal.y, reciprocal.z].map(|r| usize::from(r < 0.0));
+        PreparedRay { origin: self.origin, reciprocal, first }
     }
 }
 
 impl Bounds {
     /// Holds nothing: where unions start. No ray may be asked of it.
     pub const NOTHING: Self = Self {
-        low: vector(f64::INFINITY, f64::INFINITY, f64::INFINITY),
-        high: vector(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+        corners: [
+            vector(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+            vector(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+        ],
     };
 
     /// The box around a point, `reach` to both sides along each axis.
     pub fn around(centre: Vector, reach: Vector) -> Self {
-        Self { low: centre - reach, high: centre + reach }
+        Self { corners: [centre - reach, centre + reach] }
+    }
+
+    /// The corner with the smallest coordinates.
+    pub fn low(&self) -> Vector {
+        self.corners[0]
+    }
+
+    /// The corner with the largest coordinates.
+    pub fn high(&self) -> Vector {
+        self.corners[1]
     }
 
     /// Holds both boxes.
     pub fn with(self, other: Self) -> Self {
-        let (a, b) = (self, other);
+        let join = |a: Vector, b: Vector, choose: fn(f64, f64) -> f64| {
+            vector(choose(a.x, b.x), choose(a.y, b.y), choose(a.z, b.z))
+        };
         Self {
-            low: vector(least(a.low.x, b.low.x), least(a.low.y, b.low.y), least(a.low.z, b.low.z)),
-            high: vector(
-                greatest(a.high.x, b.high.x),
-                greatest(a.high.y, b.high.y),
-                greatest(a.high.z, b.high.z),
-            ),
+            corners: [
+                join(self.low(), other.low(), least),
+                join(self.high(), other.high(), greatest),
+            ],
         }
     }
 
-    /// Twice the middle, for sorting.
-    pub fn doubled_centre(&self) -> Vector {
-        self.low + self.high
+    /// Twice the middle along one axis (0, 1 or 2), for sorting.
+    pub fn doubled_centre(&self, axis: usize) -> f64 {
+        let sum = self.low() + self.high();
+        [sum.x, sum.y, sum.z][axis]
     }
 
-    /// Where the ray is inside, cut to `after..before`.
+    /// Half of the surface; 0 for [`Bounds::NOTHING`].
+    pub fn area(&self) -> f64 {
+        let size = self.high() - self.low();
+        if size.x < 0.0 { 0.0 } else { size.x * size.y + size.y * size.z + size.z * size.x }
+    }
+
+    /// Where the ray enters and leaves the box, cut to `after..before`; `None` if it misses.
     #[inline]
     pub fn span(&self, ray: &PreparedRay, after: f64, before: f64) -> Option<(f64, f64)> {
-        let a = (self.low - ray.origin).scaled(ray.reciprocal);
-        let b = (self.high - ray.origin).scaled(ray.reciprocal);
-        let enter =
-            greatest(greatest(least(a.x, b.x), least(a.y, b.y)), greatest(least(a.z, b.z), after));
-        let leave =
-            least(least(greatest(a.x, b.x), greatest(a.y, b.y)), least(greatest(a.z, b.z), before));
+        let [x, y, z] = ray.first;
+        let (o, r) = (ray.origin, ray.reciprocal);
+        let enter = greatest(
+            greatest((self.corners[x].x - o.x) * r.x, (self.corners[y].y - o.y) * r.y),
+            greatest((self.corners[z].z - o.z) * r.z, after),
+        );
+        let leave = least(
+            least((self.corners[1 - x].x - o.x) * r.x, (self.corners[1 - y].y - o.y) * r.y),
+            least((self.corners[1 - z].z - o.z) * r.z, before),
+        );
         (enter <= leave).then_some((enter, leave))
-    }
-
-    /// Whether the ray passes through between `after` and `before`.
-    #[inline]
-    pub fn meets(&self, ray: &PreparedRay, after: f64, before: f64) -> bool {
-        self.span(ray, after, before).is_some()
     }
 
     /// Whether the point lies inside, or outside by at most `slack`.
     #[cfg(test)]
     pub fn holds(&self, p: Vector, slack: f64) -> bool {
-        let (a, b) = (p - self.low, self.high - p);
+        let (a, b) = (p - self.low(), self.high() - p);
         [a.x, a.y, a.z, b.x, b.y, b.z].into_iter().all(|v| v >= -slack)
     }
 }

@@ -81,12 +81,32 @@ impl Frustum {
     }
 
     pub fn bounds(&self) -> Bounds {
+        self.between_heights(0.0, self.height)
+    }
+
+    /// Boxes that together hold all of it: several for a long slanted rod, whose one box would be
+    /// mostly empty.
+    pub fn boxes(&self) -> Vec<Bounds> {
+        let axis = self.frame.z * self.height;
+        let mut sides = [axis.x.abs(), axis.y.abs(), axis.z.abs()];
+        sides.sort_by(f64::total_cmp);
+        let thick = greatest(self.base_radius, self.base_radius + self.slope * self.height);
+        let count = (sides[1] / (8.0 * thick)).ceil().clamp(1.0, 24.0);
+        let part = self.height / count;
+        (0..count as u32)
+            .map(|i| self.between_heights(f64::from(i) * part, f64::from(i + 1) * part))
+            .collect()
+    }
+
+    fn between_heights(&self, low: f64, high: f64) -> Bounds {
         let axis = self.frame.z;
         // A disc reaches sqrt(1 - n^2) radii along each axis of the world.
         let rim = axis.map(|n| greatest(1.0 - n * n, 0.0).sqrt());
-        let top_radius = self.base_radius + self.slope * self.height;
-        Bounds::around(self.base, rim * self.base_radius)
-            .with(Bounds::around(self.base + axis * self.height, rim * greatest(top_radius, 0.0)))
+        let disc = |height: f64| {
+            let radius = greatest(self.base_radius + self.slope * height, 0.0);
+            Bounds::around(self.base + axis * height, rim * radius)
+        };
+        disc(low).with(disc(high))
     }
 }
 

@@ -1,21 +1,25 @@
 //! A tree of boxes that finds the few shapes near a ray.
 //!
-//! A bounding volume hierarchy, split at the median along the widest axis. It decides only in which
-//! order shapes are asked, so it never changes an answer.
+//! A bounding volume hierarchy, split where the surface area heuristic (MacDonald & Booth 1990)
+//! expects the fewest questions: the sum over both halves of surface times number of boxes is
+//! smallest. It decides only in which order shapes are asked, so it never changes an answer.
 
 use super::{Bounds, Ray};
 
-/// At most this many shapes are asked one by one.
+/// At most this many boxes are asked one by one.
 const LEAF: usize = 2;
+/// Below this depth halves are made equal in number, so that no tree outgrows the walk's stack.
+const CAREFUL: usize = 24;
+/// Room for [`CAREFUL`] levels and as many as halving 2^32 boxes takes.
+const STACK: usize = CAREFUL + 33;
 
 #[derive(Debug, Clone, PartialEq)]
 struct Node {
     bounds: Bounds,
-    /// A leaf's shapes are `order[first..first + count]`; an inner node has count 0, its nearer
+    /// A leaf's shapes are `order[first..first + count]`; an inner node has count 0, its lower
     /// half right behind it, and its other half at `first`.
     first: u32,
     count: u32,
-    axis: u8,
 }
 
 /// Boxes within boxes, over shapes known by their number.
@@ -26,50 +30,30 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// The tree over shapes with these bounds.
-    pub fn over(bounds: &[Bounds]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), order: (0..bounds.len() as u32).collect() };
-        if !bounds.is_empty() {
-            tree.split(bounds, 0, bounds.len());
+    /// The tree over boxes, each with the number of the shape that it holds a part of.
+    pub fn over(mut boxes: Vec<(Bounds, u32)>) -> Self {
+        let mut tree = Self { nodes: Vec::new(), order: Vec::with_capacity(boxes.len()) };
+        if !boxes.is_empty() {
+            tree.split(&mut boxes, 0);
         }
         tree
     }
 
-    fn split(&mut self, bounds: &[Bounds], first: usize, last: usize) {
-        let part = &mut self.order[first..last];
-        let all = part.iter().fold(Bounds::NOTHING, |all, &i| all.with(bounds[i as usize]));
-        let centres = part.iter().fold(Bounds::NOTHING, |all, &i| {
-            let centre = bounds[i as usize].doubled_centre();
-            all.with(Bounds { low: centre, high: centre })
-        });
-        let wide = centres.high - centres.low;
-        let axis = if wide.x >= wide.y && wide.x >= wide.z {
-            0
-        } else if wide.y >= wide.z {
-            1
-        } else {
-            2
-        };
+    fn split(&mut self, boxes: &mut [(Bounds, u32)], depth: usize) {
         let here = self.nodes.len();
-        self.nodes.push(Node {
-            bounds: all,
-            first: first as u32,
-            count: (last - first) as u32,
-            axis,
-        });
-        if last - first <= LEAF {
+        let bounds = boxes.iter().fold(Bounds::NOTHING, |all, b| all.with(b.0));
+        let (first, count) = (self.order.len() as u32, boxes.len() as u32);
+        self.nodes.push(Node { bounds, first, count });
+        if boxes.len() <= LEAF {
+            self.order.extend(boxes.iter().map(|b| b.1));
             return;
         }
-        let key = |i: u32| {
-            let centre = bounds[i as usize].doubled_centre();
-            [centre.x, centre.y, centre.z][usize::from(axis)]
-        };
-        part.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
-        let middle = first + (last - first) / 2;
-        self.split(bounds, first, middle);
-        self.nodes[here].first = self.nodes.len() as u32;
-        self.nodes[here].count = 0;
-        self.split(bounds, middle, last);
+        let (axis, middle) = if depth < CAREFUL { best_split(boxes) } else { (0, boxes.len() / 2) };
+        sort(boxes, axis);
+        let (low, high) = boxes.split_at_mut(middle);
+        self.split(low, depth + 1);
+        self.nodes[here] = Node { bounds, first: self.nodes.len() as u32, count: 0 };
+        self.split(high, depth + 1);
     }
 
     /// Asks `shape(number, before)` of every shape whose box the ray passes between `after` and
@@ -86,33 +70,79 @@ impl Tree {
             return;
         }
         let prepared = ray.prepared();
-        let backwards = [ray.direction.x < 0.0, ray.direction.y < 0.0, ray.direction.z < 0.0];
         let mut before = before;
-        // The halves are equal in number, so 2^32 shapes would need 32 places.
-        let mut stack = [0u32; 40];
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let at = stack[waiting];
-            let node = &self.nodes[at as usize];
-            if !node.bounds.meets(&prepared, after, before) {
-                continue;
-            }
-            if node.count > 0 {
+        let mut at = 0;
+        // Halves yet to be visited, and where the ray enters them.
+        let mut stack = [(0, 0.0); STACK];
+        let mut waiting = 0;
+        loop {
+            let node = &self.nodes[at];
+            if node.count == 0 {
+                let (low, high) = (at + 1, node.first as usize);
+                let enter = |i: usize| Some(self.nodes[i].bounds.span(&prepared, after, before)?.0);
+                match (enter(low), enter(high)) {
+                    (Some(a), Some(b)) => {
+                        // The nearer half first: what it finds may spare the other.
+                        stack[waiting] = if a <= b { (high, b) } else { (low, a) };
+                        waiting += 1;
+                        at = if a <= b { low } else { high };
+                        continue;
+                    }
+                    (Some(_), None) => {
+                        at = low;
+                        continue;
+                    }
+                    (None, Some(_)) => {
+                        at = high;
+                        continue;
+                    }
+                    (None, None) => {}
+                }
+            } else {
                 let first = node.first as usize;
                 for &number in &self.order[first..first + node.count as usize] {
                     before = shape(number as usize, before);
                 }
-            } else {
-                let (low, high) = (at + 1, node.first);
-                let (near, far) =
-                    if backwards[usize::from(node.axis)] { (high, low) } else { (low, high) };
-                stack[waiting] = far;
-                stack[waiting + 1] = near;
-                waiting += 2;
+            }
+            loop {
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                if stack[waiting].1 < before {
+                    at = stack[waiting].0;
+                    break;
+                }
             }
         }
     }
+}
+
+fn sort(boxes: &mut [(Bounds, u32)], axis: usize) {
+    boxes.sort_by(|a, b| a.0.doubled_centre(axis).total_cmp(&b.0.doubled_centre(axis)));
+}
+
+/// The axis to sort along, and how many boxes belong to the lower half.
+fn best_split(boxes: &mut [(Bounds, u32)]) -> (usize, usize) {
+    let mut best = (f64::INFINITY, 0, boxes.len() / 2);
+    let mut below = vec![0.0; boxes.len()];
+    for axis in 0..3 {
+        sort(boxes, axis);
+        let mut bounds = Bounds::NOTHING;
+        for (i, b) in boxes.iter().enumerate() {
+            below[i] = bounds.area() * i as f64;
+            bounds = bounds.with(b.0);
+        }
+        bounds = Bounds::NOTHING;
+        for i in (1..boxes.len()).rev() {
+            bounds = bounds.with(boxes[i].0);
+            let cost = below[i] + bounds.area() * (boxes.len() - i) as f64;
+            if cost < best.0 {
+                best = (cost, axis, i);
+            }
+        }
+    }
+    (best.1, best.2)
 }
 
 #[cfg(test)]
@@ -128,8 +158,8 @@ mod tests {
             let shapes: Vec<Shape> = (0..count)
                 .map(|_| Sphere::new(random.direction() * random.between(1.0, 5.0), 0.3).into())
                 .collect();
-            let bounds: Vec<_> = shapes.iter().map(Shape::bounds).collect();
-            let tree = Tree::over(&bounds);
+            let boxes = shapes.iter().zip(0..).map(|(shape, i)| (shape.bounds(), i)).collect();
+            let tree = Tree::over(boxes);
             let mut met = 0;
             for _ in 0..500 {
                 let origin = random.direction() * 7.0;

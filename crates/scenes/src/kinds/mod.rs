@@ -1,6 +1,8 @@
 //! The kinds of scenes, one file each. A kind turns settings into a world and a pair of cameras.
 
+mod builder;
 mod cards;
+mod clutter;
 mod plane;
 
 use std::fmt;
@@ -27,6 +29,8 @@ pub enum Kind {
     },
     /// Fronto-parallel cards with fine texture, each at a multiple of a quarter of a pixel.
     Cards,
+    /// A room full of things at all depths: thin, blank, repeated, slanted, shining.
+    Clutter,
 }
 
 /// A world and the cameras in it.
@@ -37,13 +41,14 @@ pub(crate) struct Stage {
 
 impl Kind {
     /// The kinds without numbers of their own: those to choose from when a seed is all there is.
-    pub const NAMED: [Kind; 1] = [Kind::Cards];
+    pub const NAMED: [Kind; 2] = [Kind::Cards, Kind::Clutter];
 
     /// The name without numbers.
     fn word(&self) -> &'static str {
         match self {
             Self::Plane { .. } => "plane",
             Self::Cards => "cards",
+            Self::Clutter => "clutter",
         }
     }
 
@@ -63,6 +68,7 @@ impl Kind {
                 plane::build(settings, offset, per_column, per_row)
             }
             Self::Cards => cards::build(settings),
+            Self::Clutter => clutter::build(settings),
         }
     }
 }
