@@ -1,7 +1,9 @@
 //! The `hazcam` command. What is typed is in `cli`, what it does in `commands`.
 #![forbid(unsafe_code)]
 
+mod arguments;
 mod cli;
+mod clock;
 mod commands;
 mod ui;
 

@@ -6,8 +6,9 @@
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// What the user asked of the messages.
 #[derive(Debug, Clone, Copy)]
@@ -60,21 +61,42 @@ impl Ui {
         say("\x1b[1;33mwarning:\x1b[0m", text);
     }
 
+    /// Says on stderr which check did not pass.
+    pub fn fail(&self, text: impl fmt::Display) {
+        say("\x1b[1;31mfailed:\x1b[0m", text);
+    }
+
     /// Says on stderr why the program ends, causes included.
     pub fn error(&self, error: &anyhow::Error) {
         say("\x1b[1;31merror:\x1b[0m", format_args!("{error:#}"));
+    }
+
+    /// Shows what is being done and for how long, where the end cannot be foreseen.
+    pub fn spinner(&self, what: impl Into<String>) -> ProgressBar {
+        if self.silent() {
+            return ProgressBar::hidden();
+        }
+        let style = ProgressStyle::with_template("{spinner} {msg}  {elapsed}")
+            .expect("the template is well-formed");
+        let spinner = ProgressBar::new_spinner().with_style(style).with_message(what.into());
+        spinner.enable_steady_tick(Duration::from_millis(100));
+        spinner
     }
 
     /// A bar over `steps` steps with an estimate of the time left, on stderr; invisible when that
     /// is no terminal or under `--quiet`. Advance it with `inc(1)`, name the step with
     /// `set_message`, and end it with `finish_and_clear`.
     pub fn progress(&self, steps: u64) -> ProgressBar {
-        if self.quiet || !io::stderr().is_terminal() {
-            return ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
+        if self.silent() {
+            return ProgressBar::hidden();
         }
         let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {eta} left  {wide_msg}")
             .expect("the template is well-formed");
         ProgressBar::new(steps).with_style(style)
+    }
+
+    fn silent(&self) -> bool {
+        self.quiet || !io::stderr().is_terminal()
     }
 }
 

@@ -6,8 +6,8 @@ pub mod explain;
 pub mod info;
 pub mod man;
 pub mod match_pair;
-pub mod score;
 pub mod sandbox_exec;
+pub mod score;
 
 use clap::builder::PossibleValuesParser;
 

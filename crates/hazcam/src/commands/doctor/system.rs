@@ -1,0 +1,88 @@
+//! What the processor, the kernel and the disk offer.
+
+use std::path::Path;
+use std::thread;
+
+use matching::Level;
+
+use super::Finding;
+
+/// The vector instructions that kernels will use, out of those that there are.
+pub fn vector_instructions() -> Finding {
+    const TOPIC: &str = "vector instructions";
+    let available: Vec<_> = Level::available().iter().map(|level| level.name()).collect();
+    match Level::chosen() {
+        Ok(level) => Finding::ok(TOPIC, format!("{} of {}", level.name(), available.join(", "))),
+        Err(error) => Finding::wrong(TOPIC, error.to_string()),
+    }
+}
+
+/// How many threads run at the same time.
+pub fn cores() -> Finding {
+    match thread::available_parallelism() {
+        Ok(count) => Finding::ok("cores", count.to_string()),
+        Err(error) => Finding::absent("cores", format!("the system does not say: {error}")),
+    }
+}
+
+/// The memory of the machine, and what is free of it.
+pub fn memory() -> Finding {
+    let gib = |kib: u64| kib as f64 / f64::from(1 << 20);
+    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    match (kibibytes(&text, "MemTotal"), kibibytes(&text, "MemAvailable")) {
+        (Some(total), Some(free)) => {
+            Finding::ok("memory", format!("{:.1} GiB, {:.1} GiB free", gib(total), gib(free)))
+        }
+        _ => Finding::absent("memory", "this system does not say how much there is"),
+    }
+}
+
+/// A line of `/proc/meminfo`.
+fn kibibytes(meminfo: &str, name: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
+    line.trim().strip_suffix(" kB")?.parse().ok()
+}
+
+/// Whether programs can be confined.
+pub fn sandbox() -> Finding {
+    let missing = arena::sandbox::missing_parts();
+    match missing.is_empty() {
+        true => Finding::ok("sandbox", "Landlock and seccomp"),
+        false => Finding::absent(
+            "sandbox",
+            format!("{}; grading untrusted programs needs it", missing.join("; ")),
+        ),
+    }
+}
+
+/// Whether there is a folder with data sets.
+pub fn data() -> Finding {
+    const TOPIC: &str = "data sets";
+    match std::env::var_os("HAZCAM_DATA") {
+        None => Finding::absent(
+            TOPIC,
+            "HAZCAM_DATA names no folder; real scenes need it, `hazcam demo` does not",
+        ),
+        Some(folder) if Path::new(&folder).is_dir() => {
+            Finding::ok(TOPIC, Path::new(&folder).display().to_string())
+        }
+        Some(folder) => Finding::absent(
+            TOPIC,
+            format!("HAZCAM_DATA is {}, which is no folder", Path::new(&folder).display()),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_read_from_its_line() {
+        let text = "MemTotal:       24576 kB\nMemAvailable:    1024 kB\nHugePages_Total:       0\n";
+        assert_eq!(kibibytes(text, "MemTotal"), Some(24576));
+        assert_eq!(kibibytes(text, "MemAvailable"), Some(1024));
+        assert_eq!(kibibytes(text, "HugePages_Total"), None);
+        assert_eq!(kibibytes("", "MemTotal"), None);
+    }
+}

@@ -1,0 +1,211 @@
+//! `hazcam match`: two images in, a disparity map out.
+
+mod outputs;
+mod sidecar;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, bail};
+use matching::{Holes, Matcher, Options, Preset};
+use raster::{BoundingBox, DisparityRange, Image};
+
+use crate::arguments;
+use crate::clock::Stopwatch;
+use crate::ui::Ui;
+use outputs::Outputs;
+use sidecar::Sidecar;
+
+/// Match two rectified images: a disparity for every pixel of the left one
+///
+/// The images must be rectified: a point of the scene lies in the same row of both. A disparity d
+/// says that left (x, y) shows what right (x - d, y) shows; it is in pixels.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The format of OUT follows its extension:
+  .pfm   float32, infinity where there is no disparity (Middlebury, ETH3D)
+  .npy   float32, NaN where there is none (NumPy)
+  .tiff  float32, NaN where there is none
+  .png   16 bit, 256 d, 0 where there is none (KITTI): 0 to below 256 pixels
+OUT.json beside it records version, options, the inputs' SHA-256, times, and the share of pixels
+per reason. On an error nothing is written.
+
+Environment:
+  HAZCAM_CPU  vector instructions to use instead of the best, see `hazcam doctor`
+
+Examples:
+  hazcam match left.png right.png -o disparity.pfm --max-disparity 64
+  hazcam match im0.png im1.png -o d.png --matcher best --preview d-colours.png
+  hazcam match left.png right.png -o d.npy --holes keep --reasons why.png --box 50,10,440,360")]
+pub struct Args {
+    /// Left image: PNG, PGM/PPM, JPEG or TIFF, 8 or 16 bit, grey or colour
+    left: PathBuf,
+
+    /// Right image, of the same size
+    right: PathBuf,
+
+    /// Where to write the disparities: .pfm, .npy, .tiff, or .png as KITTI's 16 bit
+    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
+    output: PathBuf,
+
+    /// Also write the disparities as a picture in colours (turbo): .png or .ppm
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    preview: Option<PathBuf>,
+
+    /// Also write the confidence, 0 to 1: .pfm, .npy, .tiff, or .png as grey picture
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    confidence: Option<PathBuf>,
+
+    /// Also write why each pixel has its value or none: .png or .ppm. Grey is matched, blue
+    /// occluded, orange mismatched, purple outside the right image; bright is filled, dark a hole
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    reasons: Option<PathBuf>,
+
+    /// Which matcher; `hazcam explain MATCHER` says what each does
+    #[arg(short, long, default_value = "balanced", help_heading = "Matching")]
+    #[arg(value_parser = super::choice(Preset::ALL.map(Preset::name)))]
+    matcher: String,
+
+    /// Largest disparity to look for, in pixels [default: a quarter of the width, as a multiple of
+    /// 16 from 16 to 256, above the smallest]
+    #[arg(short = 'd', long, value_name = "N", help_heading = "Matching")]
+    #[arg(allow_negative_numbers = true)]
+    max_disparity: Option<i32>,
+
+    /// Smallest disparity to look for, in pixels; may be negative
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Matching")]
+    #[arg(allow_negative_numbers = true)]
+    min_disparity: i32,
+
+    /// Answer only these pixels: x0,y0,x1,y1, inclusive, or the course's *_bounds.npy [default:
+    /// the whole image]
+    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
+    #[arg(help_heading = "Matching")]
+    bounds: Option<BoundingBox>,
+
+    /// What becomes of pixels without a trustworthy match: filled from their surroundings, or left
+    /// without a value
+    #[arg(long, value_enum, default_value = "fill", help_heading = "Matching")]
+    holes: HolesArgument,
+
+    /// Threads to use; the answer does not depend on it [default: one per core]
+    #[arg(long, value_name = "N", env = "HAZCAM_THREADS", help_heading = "Matching")]
+    #[arg(value_parser = arguments::threads, hide_env_values = true)]
+    threads: Option<usize>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum HolesArgument {
+    Fill,
+    Keep,
+}
+
+/// Checks everything that can be checked, matches, then writes all files or none.
+pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let outputs = Outputs {
+        disparity: args.output.clone(),
+        preview: args.preview.clone(),
+        confidence: args.confidence.clone(),
+        reasons: args.reasons.clone(),
+    };
+    outputs.check([&args.left, &args.right])?;
+
+    let left = formats::read_image(&args.left)?;
+    let right = formats::read_image(&args.right)?;
+    check_pair(&args, &left, &right)?;
+    let (options, assumed) = options(&args, left.columns())?;
+    if let Some(assumed) = assumed {
+        ui.note(assumed);
+    }
+    outputs.check_range(options.range)?;
+    let mut matcher = Matcher::new(options.clone())?;
+
+    let spinner = ui.spinner(format!("matching ({})", options.preset));
+    let stopwatch = Stopwatch::start();
+    let map = matcher.compute(&left, &right, args.bounds)?;
+    let elapsed = stopwatch.elapsed();
+    spinner.finish_and_clear();
+
+    let bounds = args.bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
+    let sidecar = Sidecar::new(&args.left, &args.right, &outputs, &options, bounds, map, elapsed)?;
+    outputs.write(map, options.range, &sidecar)?;
+    ui.note(format_args!(
+        "{}: {}, disparities {} to {} in {:.3} s; {:.1} % matched{}",
+        outputs.disparity.display(),
+        options.preset,
+        options.range.min(),
+        options.range.max(),
+        elapsed.wall_s,
+        100.0 * sidecar.matched(),
+        if options.holes == Holes::Fill { ", the rest filled" } else { ", the rest left open" },
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Errors that name the files rather than "left" and "right".
+fn check_pair(args: &Args, left: &Image, right: &Image) -> anyhow::Result<()> {
+    if left.size() != right.size() {
+        bail!(
+            "{} is {} x {} but {} is {} x {}: a rectified pair has one size; crop or rectify first",
+            args.left.display(),
+            left.columns(),
+            left.rows(),
+            args.right.display(),
+            right.columns(),
+            right.rows()
+        );
+    }
+    if let Some(bounds) = args.bounds {
+        bounds
+            .check_within(left.columns(), left.rows())
+            .with_context(|| format!("--box does not fit {}", args.left.display()))?;
+    }
+    Ok(())
+}
+
+/// The matcher's options, and in words what had to be assumed.
+fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<String>)> {
+    let preset: Preset = args.matcher.parse()?;
+    let min = args.min_disparity;
+    let (max, assumed) = match args.max_disparity {
+        Some(max) => (max, None),
+        None => {
+            let span = default_span(columns);
+            let max = min.saturating_add(span);
+            let note = format!(
+                "disparities from {min} to {max} were assumed from the width of {columns}; \
+                 anything nearer is missed: give --max-disparity if you know it"
+            );
+            (max, Some(note))
+        }
+    };
+    let range =
+        DisparityRange::new(min, max).context("--min-disparity and --max-disparity do not fit")?;
+    let mut options = Options::new(preset, range);
+    if let Some(threads) = args.threads {
+        options.threads = threads;
+    }
+    options.holes = match args.holes {
+        HolesArgument::Fill => Holes::Fill,
+        HolesArgument::Keep => Holes::Keep,
+    };
+    Ok((options, assumed))
+}
+
+/// A quarter of the width, up to the next multiple of 16, from 16 to 256. That covers, with room,
+/// what the usual scenes need (Cones and Teddy 60 of 450 columns, KITTI 192 of 1242); a camera that
+/// looks at its own wheels may need more, which is why the assumption is told.
+fn default_span(columns: usize) -> i32 {
+    columns.div_ceil(4).next_multiple_of(16).clamp(16, 256) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_range_is_a_quarter_of_the_width() {
+        let spans = [1, 64, 450, 1242, 3000, usize::MAX / 2].map(default_span);
+        assert_eq!(spans, [16, 16, 128, 256, 256, 256]);
+    }
+}

@@ -1,0 +1,119 @@
+//! The record beside a disparity map: what it was made from, how, and what came out.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use matching::{Holes, Level, Options};
+use raster::{BoundingBox, DisparityMap, Reason};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::outputs::Outputs;
+use crate::clock::Elapsed;
+
+/// What stands in `OUT.json`.
+#[derive(Serialize)]
+pub struct Sidecar {
+    /// The version of hazcam.
+    hazcam: &'static str,
+    left: Input,
+    right: Input,
+    output: PathBuf,
+    columns: usize,
+    rows: usize,
+    options: OptionsRecord,
+    /// The vector instructions that were used.
+    cpu_level: &'static str,
+    /// Of the matching alone, without reading and writing files.
+    time: Elapsed,
+    /// Pixels of the box per reason, as shares from 0 to 1; reasons that do not occur are left out.
+    reasons: BTreeMap<&'static str, f64>,
+}
+
+#[derive(Serialize)]
+struct Input {
+    path: PathBuf,
+    bytes: u64,
+    /// None for a pipe, which can be read only once.
+    sha256: Option<String>,
+}
+
+#[derive(Serialize)]
+struct OptionsRecord {
+    matcher: &'static str,
+    min_disparity: i32,
+    max_disparity: i32,
+    #[serde(rename = "box")]
+    bounds: String,
+    holes: &'static str,
+    threads: usize,
+}
+
+impl Sidecar {
+    /// Hashes the inputs and counts the reasons.
+    pub fn new(
+        left: &Path,
+        right: &Path,
+        outputs: &Outputs,
+        options: &Options,
+        bounds: BoundingBox,
+        map: &DisparityMap,
+        time: Elapsed,
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            hazcam: env!("CARGO_PKG_VERSION"),
+            left: Input::of(left)?,
+            right: Input::of(right)?,
+            output: outputs.disparity.clone(),
+            columns: map.values.columns(),
+            rows: map.values.rows(),
+            options: OptionsRecord {
+                matcher: options.preset.name(),
+                min_disparity: options.range.min(),
+                max_disparity: options.range.max(),
+                bounds: bounds.to_string(),
+                holes: match options.holes {
+                    Holes::Fill => "fill",
+                    Holes::Keep => "keep",
+                },
+                threads: options.threads,
+            },
+            cpu_level: Level::chosen()?.name(),
+            time,
+            reasons: shares(map, bounds),
+        })
+    }
+
+    /// The share of the box that was matched, not filled or left open.
+    pub fn matched(&self) -> f64 {
+        self.reasons.get(Reason::Matched.name()).copied().unwrap_or(0.0)
+    }
+}
+
+/// The share of the box's pixels per reason.
+fn shares(map: &DisparityMap, bounds: BoundingBox) -> BTreeMap<&'static str, f64> {
+    let mut counts = BTreeMap::new();
+    for y in bounds.y0..=bounds.y1 {
+        for reason in &map.reasons.row(y)[bounds.x0..=bounds.x1] {
+            *counts.entry(reason.name()).or_insert(0usize) += 1;
+        }
+    }
+    let all = (bounds.columns() * bounds.rows()) as f64;
+    counts.into_iter().map(|(name, count)| (name, count as f64 / all)).collect()
+}
+
+impl Input {
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        let cannot = || format!("cannot read {} again to record its SHA-256", path.display());
+        let metadata = std::fs::metadata(path).with_context(cannot)?;
+        let sha256 = match metadata.is_file() {
+            true => {
+                let digest = Sha256::digest(std::fs::read(path).with_context(cannot)?);
+                Some(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+            }
+            false => None,
+        };
+        Ok(Self { path: path.to_owned(), bytes: metadata.len(), sha256 })
+    }
+}

@@ -1,0 +1,147 @@
+//! `hazcam score`: a disparity map against ground truth.
+
+mod report;
+mod threshold;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context;
+use formats::Encoding;
+use raster::BoundingBox;
+use score::{Evaluation, Region, suspected_scale};
+
+use crate::arguments;
+use crate::cli::THRESHOLD_FAILED;
+use crate::ui::Ui;
+use report::{Format, Map, Report};
+use threshold::Threshold;
+
+/// Score a disparity map against ground truth
+///
+/// Prints the course's two numbers (E_RMS, p_bad), then the community's (bad, avgerr, A50 ... of
+/// Middlebury, D1 of KITTI, end-point errors), each family with its protocol: which pixels were
+/// counted, what a hole counts as, the thresholds.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Encodings:
+  auto        by content; what had to be assumed is told
+  png8/K      8 bit, disparity = value / K, 0 is none: png8/4 for Cones and Teddy, png8/3 and
+              png8/2 for Middlebury 2005 and 2006 at third and half size
+  png16/K     16 bit, disparity = value / K, 0 is none: png16/256 for KITTI
+  pfm, npy, tiff   numbers, none where not finite
+
+Exit status: 0 done, 1 a score is over its threshold, 2 error.
+
+Examples:
+  hazcam score disparity.pfm truth.pfm --mask mask0nocc.png
+  hazcam score cones.png cones_disp_02.png --truth-encoding png8/4 --box cones_02_bounds.npy
+  hazcam score d.pfm disp_occ/000070_10.png --fail-over p_bad=0.05 --fail-over D1=6%")]
+pub struct Args {
+    /// The disparity map to score: .pfm, .npy, .tiff or grey .png
+    estimate: PathBuf,
+
+    /// The true disparities, of the same size
+    truth: PathBuf,
+
+    /// How the estimate's file stands for disparities
+    #[arg(long, value_name = "ENCODING", default_value = "auto", help_heading = "Input")]
+    estimate_encoding: Encoding,
+
+    /// How the truth's file stands for disparities
+    #[arg(long, value_name = "ENCODING", default_value = "auto", help_heading = "Input")]
+    truth_encoding: Encoding,
+
+    /// Score only these pixels: x0,y0,x1,y1, inclusive, or the course's *_bounds.npy [default:
+    /// the whole image]
+    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
+    #[arg(help_heading = "Region")]
+    bounds: Option<BoundingBox>,
+
+    /// Score only pixels where this 8-bit picture is 255: mask0nocc.png of Middlebury and ETH3D
+    #[arg(long, value_name = "FILE", help_heading = "Region")]
+    mask: Option<PathBuf>,
+
+    /// Clip estimates to 0 ... N before Middlebury's measures, as its benchmark does with the
+    /// scene's range [default: no clipping]
+    #[arg(long, value_name = "N", help_heading = "Region", allow_negative_numbers = true)]
+    max_disparity: Option<f64>,
+
+    /// What to print
+    #[arg(long, value_enum, default_value = "text", help_heading = "Output")]
+    format: Format,
+
+    /// End with status 1 when MEASURE is over VALUE, which may be a share (0.05) or per cent (5%).
+    /// May be given several times
+    #[arg(long, value_name = "MEASURE=VALUE", help_heading = "Output")]
+    fail_over: Vec<Threshold>,
+}
+
+/// Reads both maps, scores, prints, compares with the thresholds.
+pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let estimate = formats::read_disparity(&args.estimate, args.estimate_encoding)?;
+    let truth = formats::read_disparity(&args.truth, args.truth_encoding)?;
+    let mask = args.mask.as_ref().map(formats::read_mask).transpose()?;
+    let notes = [(&args.estimate, &estimate.note), (&args.truth, &truth.note)];
+    for (path, note) in notes {
+        if let Some(note) = note {
+            ui.note(format_args!("{}: {note}", path.display()));
+        }
+    }
+
+    let region = match (&mask, &args.mask) {
+        (Some(mask), Some(path)) => Region::masked(path.display().to_string(), mask),
+        _ => Region::whole(),
+    };
+    let region = region.within(args.bounds);
+    let context =
+        || format!("cannot score {} against {}", args.estimate.display(), args.truth.display());
+    let evaluation = Evaluation::new(&estimate.values, &truth.values).with_context(context)?;
+    let evaluation = evaluation.clipped_to(args.max_disparity);
+    let scores = evaluation.scores(&region).with_context(context)?;
+
+    let suspected_scale = suspected_scale(&evaluation.pixels(&region)?);
+    if let Some(factor) = suspected_scale {
+        ui.warn(scale_warning(&args, factor, estimate.encoding, truth.encoding));
+    }
+    let report = Report {
+        hazcam: env!("CARGO_PKG_VERSION"),
+        estimate: Map::new(&args.estimate, estimate.encoding),
+        truth: Map::new(&args.truth, truth.encoding),
+        scores,
+        suspected_scale,
+    };
+    ui.print(&report.render(args.format)?)?;
+
+    let mut failed = false;
+    for threshold in &args.fail_over {
+        if let Some(message) = threshold.exceeded_by(&report.scores) {
+            ui.fail(message);
+            failed = true;
+        }
+    }
+    Ok(if failed { ExitCode::from(THRESHOLD_FAILED) } else { ExitCode::SUCCESS })
+}
+
+/// Which of the two files seems to be read at the wrong scale, and what to say instead.
+fn scale_warning(args: &Args, factor: f64, estimate: Encoding, truth: Encoding) -> String {
+    let times = factor.max(1.0 / factor);
+    // The file whose values are larger lacks a divisor, if it is a file that has one.
+    let (larger, encoding, option) = match factor > 1.0 {
+        true => (&args.estimate, estimate, "--estimate-encoding"),
+        false => (&args.truth, truth, "--truth-encoding"),
+    };
+    let remedy = match encoding {
+        Encoding::Png8 { divisor } => {
+            format!(": read it with {option} png8/{}", f64::from(divisor) * times)
+        }
+        Encoding::Png16 { divisor } => {
+            format!(": read it with {option} png16/{}", f64::from(divisor) * times)
+        }
+        _ => format!(", or the other file is read with a divisor {times} times too large"),
+    };
+    format!(
+        "most disparities are bad, but would not be if those of {} were divided by {times}{remedy}",
+        larger.display()
+    )
+}

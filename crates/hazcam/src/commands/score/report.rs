@@ -1,0 +1,203 @@
+//! What `hazcam score` prints, one function per format.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use formats::Encoding;
+use score::{Measure, Scores, Unit};
+use serde::{Serialize, Serializer};
+
+/// What to print.
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub enum Format {
+    /// For reading
+    Text,
+    /// Every number with its protocol, for programs
+    Json,
+    /// One line per measure, for spreadsheets
+    Csv,
+    /// A table, for documents
+    Markdown,
+}
+
+/// The scores and where they come from.
+#[derive(Serialize)]
+pub struct Report {
+    /// The version of hazcam.
+    pub hazcam: &'static str,
+    /// What was scored.
+    pub estimate: Map,
+    /// What it was scored against.
+    pub truth: Map,
+    /// The numbers.
+    pub scores: Scores,
+    /// The factor by which the estimate seems to be too large, if any.
+    pub suspected_scale: Option<f64>,
+}
+
+/// A disparity map's file and how it was understood.
+#[derive(Serialize)]
+pub struct Map {
+    path: PathBuf,
+    #[serde(serialize_with = "as_text")]
+    encoding: Encoding,
+}
+
+fn as_text<S: Serializer>(encoding: &Encoding, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(encoding)
+}
+
+impl Map {
+    /// The file and its encoding.
+    pub fn new(path: &Path, encoding: Encoding) -> Self {
+        Self { path: path.to_owned(), encoding }
+    }
+
+    fn describe(&self) -> String {
+        format!("{} ({})", self.path.display(), self.encoding)
+    }
+}
+
+/// The number as people of the field write it: pixels, the course's share, per cent otherwise.
+fn shown(measure: &Measure, value: Option<f64>) -> String {
+    match (value, measure.unit) {
+        (None, _) => "none".into(),
+        (Some(value), Unit::Pixels) => format!("{value:.3} px"),
+        (Some(value), Unit::Share) if measure.name == "p_bad" => format!("{value:.4}"),
+        (Some(value), Unit::Share) => format!("{:.2} %", 100.0 * value),
+    }
+}
+
+impl Report {
+    /// The report as text that ends with a line break.
+    pub fn render(&self, format: Format) -> anyhow::Result<String> {
+        Ok(match format {
+            Format::Text => self.text(),
+            Format::Json => serde_json::to_string_pretty(self)? + "\n",
+            Format::Csv => self.csv(),
+            Format::Markdown => self.markdown(),
+        })
+    }
+
+    /// Families of measures: those that share a protocol, in order.
+    fn families(&self) -> Vec<(&str, Vec<Measure>)> {
+        let mut families: Vec<(&str, Vec<Measure>)> = Vec::new();
+        for measure in Measure::ALL {
+            let protocol = measure.protocol(&self.scores).unwrap_or(
+                "course: no pixel has a nonzero truth, and the course reads zero as unknown",
+            );
+            match families.last_mut() {
+                Some((last, members)) if *last == protocol => members.push(measure),
+                _ => families.push((protocol, vec![measure])),
+            }
+        }
+        families
+    }
+
+    fn text(&self) -> String {
+        let Scores { pixels, holes, .. } = self.scores;
+        let mut text = String::new();
+        let mut line = |line: String| text.extend([&line, "\n"]);
+        line(format!("estimate   {}", self.estimate.describe()));
+        line(format!("truth      {}", self.truth.describe()));
+        let percent = 100.0 * holes as f64 / pixels as f64;
+        line(format!(
+            "pixels     {pixels} with known truth, {holes} of them holes ({percent:.2} %)"
+        ));
+        for (protocol, measures) in self.families() {
+            line(String::new());
+            wrapped(protocol).into_iter().for_each(&mut line);
+            for measure in measures {
+                let value = shown(&measure, measure.value(&self.scores));
+                line(format!("  {:<14} {value:>12}", measure.name));
+            }
+        }
+        text
+    }
+
+    fn csv(&self) -> String {
+        let mut text = String::from("estimate,truth,measure,value,unit,protocol\n");
+        for (protocol, measures) in self.families() {
+            for measure in measures {
+                let value = measure.value(&self.scores).map(|v| v.to_string()).unwrap_or_default();
+                let unit = match measure.unit {
+                    Unit::Pixels => "px",
+                    Unit::Share => "share",
+                };
+                let fields = [
+                    &self.estimate.path.display().to_string(),
+                    &self.truth.path.display().to_string(),
+                    measure.name,
+                    &value,
+                    unit,
+                    protocol,
+                ];
+                text.push_str(&fields.map(quoted).join(","));
+                text.push('\n');
+            }
+        }
+        text
+    }
+
+    fn markdown(&self) -> String {
+        let mut text = format!(
+            "{} against {}, {} pixels, {} holes\n\n| measure | value |\n| --- | ---: |\n",
+            self.estimate.describe(),
+            self.truth.describe(),
+            self.scores.pixels,
+            self.scores.holes
+        );
+        let families = self.families();
+        for (i, (_, measures)) in families.iter().enumerate() {
+            for measure in measures {
+                let value = shown(measure, measure.value(&self.scores));
+                let _ = writeln!(text, "| {} [{}] | {value} |", measure.name, i + 1);
+            }
+        }
+        text.push('\n');
+        for (i, (protocol, _)) in families.iter().enumerate() {
+            let _ = writeln!(text, "{}. {protocol}", i + 1);
+        }
+        text
+    }
+}
+
+/// Lines of at most 96 characters, broken between words.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.len() + 1 + word.len() <= 96 => line.extend([" ", word]),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// A field of a CSV file (RFC 4180): in quotes where it needs them.
+fn quoted(field: &str) -> String {
+    match field.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_broken_between_words() {
+        let text = "word ".repeat(40);
+        let lines = wrapped(text.trim());
+        assert_eq!(lines.len(), 3);
+        assert!(lines.iter().all(|line| line.len() <= 96 && line.ends_with("word")));
+        assert_eq!(lines.join(" "), text.trim());
+    }
+
+    #[test]
+    fn csv_fields_are_quoted_where_needed() {
+        assert_eq!(quoted("plain"), "plain");
+        assert_eq!(quoted("a,\"b\""), "\"a,\"\"b\"\"\"");
+    }
+}

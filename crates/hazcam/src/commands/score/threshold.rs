@@ -1,0 +1,98 @@
+//! `--fail-over MEASURE=VALUE`.
+
+use std::str::FromStr;
+
+use score::{Measure, Scores, Unit};
+
+/// A measure that must not be over a value.
+#[derive(Debug, Clone)]
+pub struct Threshold {
+    measure: Measure,
+    value: f64,
+}
+
+/// Measures that are better when small; the density is not.
+fn comparable() -> impl Iterator<Item = Measure> {
+    Measure::ALL.into_iter().filter(|measure| measure.name != "density")
+}
+
+impl FromStr for Threshold {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) =
+            text.split_once('=').ok_or("give MEASURE=VALUE, for example p_bad=0.05")?;
+        let measure =
+            comparable().find(|m| m.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+                let names: Vec<_> = comparable().map(|measure| measure.name).collect();
+                format!("`{name}` is no measure; the measures are {}", names.join(", "))
+            })?;
+        let (number, scale) = match (value.strip_suffix('%'), measure.unit) {
+            (Some(number), Unit::Share) => (number, 0.01),
+            (Some(_), Unit::Pixels) => {
+                return Err(format!("{} is in pixels, not in per cent", measure.name));
+            }
+            (None, _) => (value, 1.0),
+        };
+        match number.parse::<f64>() {
+            Ok(number) if number.is_finite() && number >= 0.0 => {
+                Ok(Self { measure, value: number * scale })
+            }
+            _ => Err(format!("`{value}` is no threshold: give a number, 0 or more")),
+        }
+    }
+}
+
+impl Threshold {
+    /// What to say when the score is over the threshold. A bias counts by its size, and a measure
+    /// that has no value counts as over: nothing was answered.
+    pub fn exceeded_by(&self, scores: &Scores) -> Option<String> {
+        let name = self.measure.name;
+        match self.measure.value(scores) {
+            None => Some(format!("{name} has no value, but must not be over {}", self.value)),
+            Some(value) if value.abs() > self.value => {
+                Some(format!("{name} is {value:.4}, over {}", self.value))
+            }
+            Some(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raster::Plane;
+    use score::{Region, evaluate};
+
+    #[test]
+    fn thresholds_are_shares_or_per_cent() {
+        assert_eq!("p_bad=0.05".parse::<Threshold>().unwrap().value, 0.05);
+        assert_eq!("d1=6%".parse::<Threshold>().unwrap().value, 0.06);
+        for (text, expected) in [
+            ("p_bad", "MEASURE=VALUE"),
+            ("psnr=3", "E_RMS, p_bad, bad0.5"),
+            ("E_RMS=3%", "in pixels"),
+            ("p_bad=-1", "0 or more"),
+            ("p_bad=x", "`x`"),
+            ("density=0.5", "no measure"),
+        ] {
+            let error = text.parse::<Threshold>().unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn only_what_is_over_fails() {
+        let (estimate, truth) = (Plane::filled(1, 1, 4.0), Plane::filled(1, 1, 5.0));
+        let scores = evaluate(&estimate, &truth, &Region::whole()).unwrap();
+        let over = |text: &str| text.parse::<Threshold>().unwrap().exceeded_by(&scores);
+        assert_eq!(over("E_RMS=1"), None);
+        assert_eq!(over("E_RMS=0.5"), Some("E_RMS is 1.0000, over 0.5".into()));
+        assert!(over("bias=0.5").is_some(), "a negative bias counts by its size");
+
+        let nothing = Plane::filled(1, 1, f32::NAN);
+        let scores = evaluate(&nothing, &truth, &Region::whole()).unwrap();
+        let threshold: Threshold = "avgerr=9".parse().unwrap();
+        assert!(threshold.exceeded_by(&scores).unwrap().contains("no value"));
+    }
+}
