@@ -1,19 +1,37 @@
 //! Engines: processes that match pairs of images, hazcam's own presets included.
 //!
-//! A [`Session`] is one such process. It is started with a scratch folder, says that it is ready,
-//! takes [`protocol::Job`]s and answers them through files; its CPU time, wall time and memory are
-//! measured from outside ([`Usage`]). Whatever goes wrong becomes a [`Status`], never the end of a
-//! run. `PROTOCOL.md` at the crate's root is the engine author's side of the story.
+//! | piece | question |
+//! | --- | --- |
+//! | [`protocol`] | which messages are exchanged? (`PROTOCOL.md` at the crate's root has the whole story) |
+//! | [`Session`] | one process from start to end; sends jobs, waits for answers, enforces [`Limits`] |
+//! | [`Usage`] | CPU time, wall time and memory, read from outside |
+//! | [`exchange`] | the files through which images and answers travel, read strictly |
+//! | [`Definition`], [`Engines`] | what is an engine? A few lines of TOML |
+//! | [`Worker`] | an engine at work on many pairs, started again after a crash |
+//! | [`serve`] | the engine's side, for engines written in Rust |
+//!
+//! Whatever goes wrong becomes a [`Status`], never the end of a run.
 
+mod definition;
+pub mod exchange;
+mod launch;
 mod limits;
 mod process;
 pub mod protocol;
+mod robust_vision;
+mod serve;
 mod session;
 mod status;
 mod talk;
 mod usage;
+mod worker;
 
+pub use definition::{Definition, DefinitionError, Engines, Kind};
+pub use exchange::{Answer, Pair};
+pub use launch::Programs;
 pub use limits::Limits;
+pub use serve::serve;
 pub use session::Session;
 pub use status::Status;
 pub use usage::{Usage, measures_cpu_time};
+pub use worker::{Attempt, Worker};

@@ -1,0 +1,308 @@
+//! The files through which images and answers travel.
+//!
+//! Answers are read as if an enemy had written them: a regular file, of the size that the answer
+//! must have at most, of exactly the right type and shape, without infinite values.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use formats::{FormatError, npy};
+use raster::{BoundingBox, DisparityRange, Image, Plane, Reason};
+
+use super::protocol::Job;
+
+/// A header of `.npy` has at most this many bytes here; NumPy writes 128.
+const HEADER_LIMIT: u64 = 4096;
+
+/// What an engine is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    /// The left image.
+    pub left: &'a Image,
+    /// The right image, of the same size and kind.
+    pub right: &'a Image,
+    /// The pixels of the left image to answer.
+    pub bounds: BoundingBox,
+    /// The disparities to search.
+    pub range: DisparityRange,
+}
+
+/// What an engine answered. All planes have the size of the left image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Disparity in pixels, NaN where there is none. What lies outside the box is as the engine
+    /// left it.
+    pub disparity: Plane<f32>,
+    /// Why each pixel has its value, if the engine says so.
+    pub reasons: Option<Plane<Reason>>,
+    /// How likely each value is right, 0 to 1, if the engine says so.
+    pub confidence: Option<Plane<f32>>,
+}
+
+/// Writes the images into `scratch`, removes what is left of earlier answers, and says what to do.
+pub fn write_job(
+    scratch: &Path,
+    number: u64,
+    pair: &Pair<'_>,
+    threads: usize,
+) -> Result<Job, FormatError> {
+    let place = |name: &str| scratch.join(name);
+    let job = Job {
+        job: number,
+        left: place("left.npy"),
+        right: place("right.npy"),
+        columns: pair.left.columns(),
+        rows: pair.left.rows(),
+        bounds: [pair.bounds.x0, pair.bounds.y0, pair.bounds.x1, pair.bounds.y1],
+        min_disparity: pair.range.min(),
+        max_disparity: pair.range.max(),
+        threads,
+        disparity: place("disparity.npy"),
+        reasons: place("reasons.npy"),
+        confidence: place("confidence.npy"),
+    };
+    for answer in [&job.disparity, &job.reasons, &job.confidence] {
+        remove(answer)?;
+    }
+    write_image(&job.left, pair.left)?;
+    write_image(&job.right, pair.right)?;
+    Ok(job)
+}
+
+/// Removes a file; that there is none is fine.
+fn remove(path: &Path) -> Result<(), FormatError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FormatError::Write {
+            path: path.to_owned(),
+            problem: format!("what is left of an earlier answer cannot be removed: {error}"),
+            source: Some(error),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn write_image(path: &Path, image: &Image) -> Result<(), FormatError> {
+    match image {
+        Image::Grey8(plane) => npy::write(path, plane),
+        Image::Grey16(plane) => npy::write(path, plane),
+        Image::Rgb8(plane) => npy::write(path, plane),
+        Image::Rgb16(plane) => npy::write(path, plane),
+    }
+}
+
+/// Reads the images of a job, on the engine's side.
+pub fn read_images(job: &Job) -> Result<(Image, Image), FormatError> {
+    Ok((read_image(&job.left)?, read_image(&job.right)?))
+}
+
+fn read_image(path: &Path) -> Result<Image, FormatError> {
+    let npy::Array { shape, samples } = npy::read(path)?;
+    let wrong = |found: String| FormatError::WrongKind {
+        path: path.to_owned(),
+        found,
+        needed:
+            "an image is needed: uint8 or uint16 of shape (rows, columns) or (rows, columns, 3)"
+                .into(),
+    };
+    let found = format!("an array of {} with shape {shape:?}", samples.dtype());
+    let image = match (&shape[..], samples) {
+        (&[rows, columns], npy::Samples::Uint8(samples)) => {
+            Plane::new(columns, rows, samples).ok().map(Image::Grey8)
+        }
+        (&[rows, columns], npy::Samples::Uint16(samples)) => {
+            Plane::new(columns, rows, samples).ok().map(Image::Grey16)
+        }
+        (&[rows, columns, 3], npy::Samples::Uint8(samples)) => {
+            Plane::new(columns, rows, samples.as_chunks().0.to_vec()).ok().map(Image::Rgb8)
+        }
+        (&[rows, columns, 3], npy::Samples::Uint16(samples)) => {
+            Plane::new(columns, rows, samples.as_chunks().0.to_vec()).ok().map(Image::Rgb16)
+        }
+        _ => None,
+    };
+    image.ok_or_else(|| wrong(found))
+}
+
+/// Writes an answer, on the engine's side.
+pub fn write_answer(job: &Job, answer: &Answer) -> Result<(), FormatError> {
+    if let Some(reasons) = &answer.reasons {
+        npy::write(&job.reasons, &reasons.map(|&reason| reason as u8))?;
+    }
+    if let Some(confidence) = &answer.confidence {
+        npy::write(&job.confidence, confidence)?;
+    }
+    npy::write(&job.disparity, &answer.disparity)
+}
+
+/// Reads and checks the answer to a job. The error says what is wrong with it, in words for the
+/// engine's author.
+pub fn read_answer(job: &Job) -> Result<Answer, String> {
+    let disparity = read_plane::<f32>(job, "disparity", &job.disparity)?
+        .ok_or_else(|| format!("it wrote no disparity file ({})", file_name(&job.disparity)))?;
+    if let Some(at) = disparity.samples().iter().position(|value| value.is_infinite()) {
+        return Err(format!(
+            "the disparity at column {}, row {} is infinite; give NaN where there is none",
+            at % job.columns,
+            at / job.columns
+        ));
+    }
+    let reasons = match read_plane::<u8>(job, "reasons", &job.reasons)? {
+        Some(bytes) => Some(to_reasons(&bytes)?),
+        None => None,
+    };
+    let confidence = read_plane::<f32>(job, "confidence", &job.confidence)?;
+    if let Some(plane) = &confidence
+        && let Some(at) = plane.samples().iter().position(|c| !(0.0..=1.0).contains(c))
+    {
+        return Err(format!(
+            "the confidence at column {}, row {} is {}; it must be from 0 to 1",
+            at % job.columns,
+            at / job.columns,
+            plane.samples()[at]
+        ));
+    }
+    Ok(Answer { disparity, reasons, confidence })
+}
+
+fn to_reasons(bytes: &Plane<u8>) -> Result<Plane<Reason>, String> {
+    match bytes.samples().iter().find(|&&byte| Reason::from_byte(byte).is_none()) {
+        Some(byte) => Err(format!("{byte} is no reason; they go from 0 to 7")),
+        None => Ok(bytes.map(|&byte| Reason::from_byte(byte).unwrap_or_default())),
+    }
+}
+
+/// A file of the answer; `None` when it is not there.
+fn read_plane<T: npy::Element>(
+    job: &Job,
+    what: &str,
+    path: &PathBuf,
+) -> Result<Option<Plane<T>>, String> {
+    let name = file_name(path);
+    let found = match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(format!("its {what} file cannot be read: {error}")),
+        Ok(found) => found,
+    };
+    if !found.is_file() {
+        return Err(format!("{name} is no regular file (links are not followed)"));
+    }
+    let pixels = job.columns as u64 * job.rows as u64;
+    let limit = pixels * size_of::<T>() as u64 + HEADER_LIMIT;
+    if found.len() > limit {
+        return Err(format!(
+            "{name} has {} bytes, but the {what} of {} x {} pixels takes at most {limit}: write {} \
+             of shape ({}, {})",
+            found.len(),
+            job.columns,
+            job.rows,
+            T::DTYPE,
+            job.rows,
+            job.columns
+        ));
+    }
+    let plane = npy::read_plane::<T>(path).map_err(|error| error.to_string())?;
+    if plane.size() != (job.columns, job.rows) {
+        return Err(format!(
+            "{name} has the shape ({}, {}), but the left image has ({}, {}): answer the whole \
+             image, whatever the box",
+            plane.rows(),
+            plane.columns(),
+            job.rows,
+            job.columns
+        ));
+    }
+    Ok(Some(plane))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job_in(scratch: &Path) -> Job {
+        let image = Image::Grey8(Plane::filled(3, 2, 7));
+        let pair = Pair {
+            left: &image,
+            right: &image,
+            bounds: BoundingBox::whole(3, 2),
+            range: DisparityRange::new(0, 4).unwrap(),
+        };
+        write_job(scratch, 1, &pair, 1).unwrap()
+    }
+
+    #[test]
+    fn images_of_every_kind_arrive_as_they_were() {
+        let scratch = tempfile::tempdir().unwrap();
+        let images = [
+            Image::Grey8(Plane::from_fn(3, 2, |x, y| (x + 10 * y) as u8)),
+            Image::Grey16(Plane::from_fn(3, 2, |x, y| (x + 1000 * y) as u16)),
+            Image::Rgb8(Plane::from_fn(3, 2, |x, y| [x as u8, y as u8, 9])),
+            Image::Rgb16(Plane::from_fn(3, 2, |x, y| [x as u16, y as u16, 999])),
+        ];
+        for image in images {
+            let path = scratch.path().join("image.npy");
+            write_image(&path, &image).unwrap();
+            assert_eq!(read_image(&path).unwrap(), image);
+        }
+    }
+
+    #[test]
+    fn an_answer_survives_the_files_and_is_gone_for_the_next_job() {
+        let scratch = tempfile::tempdir().unwrap();
+        let job = job_in(scratch.path());
+        let answer = Answer {
+            disparity: Plane::new(3, 2, vec![0.0, 1.5, 2.0, 3.0, 4.0, 99.0]).unwrap(),
+            reasons: Some(Plane::filled(3, 2, Reason::OccludedFilled)),
+            confidence: Some(Plane::filled(3, 2, 0.25)),
+        };
+        write_answer(&job, &answer).unwrap();
+        assert_eq!(read_answer(&job).unwrap(), answer);
+        let error = read_answer(&job_in(scratch.path())).unwrap_err();
+        assert!(error.contains("no disparity file"), "{error}");
+    }
+
+    #[test]
+    fn every_wrong_answer_is_named() {
+        let scratch = tempfile::tempdir().unwrap();
+        let job = job_in(scratch.path());
+        let refused = |words: &str| {
+            let error = read_answer(&job).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        };
+        npy::write(&job.disparity, &Plane::filled(2, 3, 0f32)).unwrap();
+        refused("has the shape (3, 2), but the left image has (2, 3)");
+        npy::write(&job.disparity, &Plane::filled(3, 2, 0f64)).unwrap();
+        refused("float64");
+        npy::write(&job.disparity, &Plane::filled(300, 200, 0f32)).unwrap();
+        refused("takes at most");
+        npy::write(&job.disparity, &Plane::filled(3, 2, f32::INFINITY)).unwrap();
+        refused("column 0, row 0 is infinite");
+        fs::write(&job.disparity, "garbage").unwrap();
+        refused("disparity.npy");
+        npy::write(&job.disparity, &Plane::filled(3, 2, 0f32)).unwrap();
+        npy::write(&job.confidence, &Plane::filled(3, 2, f32::NAN)).unwrap();
+        refused("is NaN; it must be from 0 to 1");
+        fs::remove_file(&job.confidence).unwrap();
+        npy::write(&job.reasons, &Plane::filled(3, 2, 8u8)).unwrap();
+        refused("8 is no reason");
+        fs::remove_file(&job.reasons).unwrap();
+        fs::remove_file(&job.disparity).unwrap();
+        fs::create_dir(&job.disparity).unwrap();
+        refused("no regular file");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_not_followed() {
+        let scratch = tempfile::tempdir().unwrap();
+        let job = job_in(scratch.path());
+        let elsewhere = scratch.path().join("elsewhere.npy");
+        npy::write(&elsewhere, &Plane::filled(3, 2, 0f32)).unwrap();
+        std::os::unix::fs::symlink(&elsewhere, &job.disparity).unwrap();
+        assert!(read_answer(&job).unwrap_err().contains("links are not followed"));
+    }
+}

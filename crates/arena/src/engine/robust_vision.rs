@@ -1,0 +1,172 @@
+//! Programs of the Robust Vision Challenge: one process per pair,
+//! `METHOD im0.png im1.png NDISP OUTDIR`, which writes `disp0METHOD.pfm` and `timeMETHOD.txt`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use formats::{Encoding, read_disparity, write_image};
+
+use super::exchange::{Answer, Pair};
+use super::limits::Limits;
+use super::process::{self, Exit};
+use super::status::Status;
+use super::talk::{self, Log};
+use super::usage::{Meter, Usage};
+
+/// How often the limits are looked at.
+const POLL: Duration = Duration::from_millis(5);
+
+/// What came of one pair.
+pub(crate) struct Finished {
+    pub status: Status,
+    pub usage: Usage,
+    pub answer: Option<Answer>,
+    /// The time that the program claims, in seconds.
+    pub claimed_seconds: Option<f64>,
+    pub log: String,
+}
+
+/// Runs the program on one pair. Everything of the process counts, its start included, since the
+/// convention knows no other moment.
+pub(crate) fn run(
+    mut command: Command,
+    scratch: &Path,
+    pair: &Pair<'_>,
+    limits: Limits,
+) -> Finished {
+    let log = Log::default();
+    let mut usage = Usage::default();
+    let outcome = prepare(&mut command, scratch, pair)
+        .and_then(|out| watch(command, scratch, limits, &log, &mut usage).map(|()| out))
+        .and_then(|out| {
+            let answer = read(&out, pair).map_err(|message| Status::BadResult { message })?;
+            Ok((answer, claimed_seconds(&out)))
+        });
+    let (status, answer, claimed_seconds) = match outcome {
+        Ok((answer, claimed)) => (Status::Done, Some(answer), claimed),
+        Err(status) => (status, None, None),
+    };
+    Finished { status, usage, answer, claimed_seconds, log: log.text() }
+}
+
+/// Writes the images, empties the folder for the answer, and completes the command.
+fn prepare(command: &mut Command, scratch: &Path, pair: &Pair<'_>) -> Result<PathBuf, Status> {
+    if pair.range.min() != 0 {
+        let message = format!(
+            "programs of the Robust Vision form search from 0; this pair asks from {}",
+            pair.range.min()
+        );
+        return Err(Status::Failed { message });
+    }
+    let failed = |problem: String| Status::NotReady { message: problem };
+    let out = scratch.join("out");
+    if out.exists() {
+        fs::remove_dir_all(&out)
+            .map_err(|error| failed(format!("{} cannot be emptied: {error}", out.display())))?;
+    }
+    fs::create_dir(&out)
+        .map_err(|error| failed(format!("{} cannot be made: {error}", out.display())))?;
+    for (name, image) in [("im0.png", pair.left), ("im1.png", pair.right)] {
+        let path = scratch.join(name);
+        write_image(&path, image).map_err(|error| failed(error.to_string()))?;
+        command.arg(path);
+    }
+    command.arg((i64::from(pair.range.max()) + 1).to_string()).arg(&out);
+    Ok(out)
+}
+
+fn watch(
+    mut command: Command,
+    scratch: &Path,
+    limits: Limits,
+    log: &Log,
+    usage: &mut Usage,
+) -> Result<(), Status> {
+    let program = command.get_program().to_string_lossy().into_owned();
+    command.current_dir(scratch).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    process::own_group(&mut command);
+    let started = Instant::now();
+    let mut child = command.spawn().map_err(|error| Status::NotReady {
+        message: format!("{program} could not be started: {error}"),
+    })?;
+    let stdout_closed = child.stdout.take().map(|out| talk::listen_to_log(out, log.clone()));
+    let stderr_closed = child.stderr.take().map(|out| talk::listen_to_log(out, log.clone()));
+    let mut meter = Meter::from_birth(child.id(), started);
+    let past_limit = loop {
+        let exited = process::wait_for_exit(&mut child, POLL);
+        *usage = meter.sample();
+        let past_limit = Status::past_limit(usage, limits.wall, limits.cpu);
+        if exited || past_limit.is_some() {
+            break past_limit;
+        }
+    };
+    let exit = process::kill_group(&mut child);
+    for closed in [stdout_closed, stderr_closed].into_iter().flatten() {
+        let _ = closed.recv_timeout(Duration::from_millis(200));
+    }
+    match (past_limit, exit) {
+        (Some(status), _) => Err(status),
+        (None, Some(exit)) if exit.success() => Ok(()),
+        (None, exit) => {
+            let how = exit.map_or("it ended".into(), |exit| Exit(exit).to_string());
+            Err(Status::Crashed { message: with_last_words(how, log) })
+        }
+    }
+}
+
+fn with_last_words(how: String, log: &Log) -> String {
+    match log.last_line() {
+        Some(line) => format!("{how}; its last words: {line}"),
+        None => how,
+    }
+}
+
+/// The only file `prefix*suffix` of the folder.
+fn only_file(out: &Path, prefix: &str, suffix: &str) -> Result<PathBuf, String> {
+    let files: Vec<_> = fs::read_dir(out)
+        .map_err(|error| format!("its output folder cannot be read: {error}"))?
+        .flatten()
+        .filter(|entry| {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            name.starts_with(prefix)
+                && name.ends_with(suffix)
+                && entry.file_type().is_ok_and(|kind| kind.is_file())
+        })
+        .map(|entry| entry.path())
+        .collect();
+    match &files[..] {
+        [file] => Ok(file.clone()),
+        _ => {
+            Err(format!("it wrote {} files {prefix}*{suffix}; exactly one is needed", files.len()))
+        }
+    }
+}
+
+fn read(out: &Path, pair: &Pair<'_>) -> Result<Answer, String> {
+    let path = only_file(out, "disp0", ".pfm")?;
+    let limit = (pair.left.columns() as u64 * pair.left.rows() as u64) * 4 + 4096;
+    if fs::metadata(&path).is_ok_and(|found| found.len() > limit) {
+        return Err(format!("{} has more than {limit} bytes", path.display()));
+    }
+    let disparity = read_disparity(&path, Encoding::Pfm).map_err(|error| error.to_string())?.values;
+    if disparity.size() != pair.left.size() {
+        return Err(format!(
+            "its disparity map is {} x {}, but the left image is {} x {}",
+            disparity.columns(),
+            disparity.rows(),
+            pair.left.columns(),
+            pair.left.rows()
+        ));
+    }
+    Ok(Answer { disparity, reasons: None, confidence: None })
+}
+
+fn claimed_seconds(out: &Path) -> Option<f64> {
+    let path = only_file(out, "time", ".txt").ok()?;
+    let small = fs::metadata(&path).is_ok_and(|found| found.len() < 4096);
+    let text = small.then(|| fs::read_to_string(&path).ok())??;
+    text.split_whitespace().next()?.parse().ok().filter(|seconds: &f64| seconds.is_finite())
+}
