@@ -85,11 +85,14 @@ fn from_npy(source: &Source) -> Result<Plane<f32>, FormatError> {
         return Err(source.wrong_kind(found, needed));
     }
     let (columns, rows) = npy::plane_size(source, &shape)?;
-    let keep = |v: f32| if v.is_finite() { v } else { f32::NAN };
-    let values = match samples {
-        npy::Samples::Float32(values) => values.into_iter().map(keep).collect(),
-        other => other.to_f64().into_iter().map(|v| keep(v as f32)).collect(),
-    };
+    let values = samples.to_f64();
+    if let Some(at) = values.iter().position(|v| v.is_finite() && v.abs() > f64::from(f32::MAX)) {
+        let (x, y, value) = (at % columns, at / columns, values[at]);
+        let found = format!("a .npy array whose value at column {x}, row {y} is {value}");
+        return Err(source.wrong_kind(found, "disparities must fit float32"));
+    }
+    let keep = |v: f64| if v.is_finite() { v as f32 } else { f32::NAN };
+    let values = values.into_iter().map(keep).collect();
     Ok(Plane::new(columns, rows, values).expect("the length has been checked"))
 }
 
@@ -181,6 +184,10 @@ const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit), .tiff (float32)
 /// An infinite value is an error in every format, because it is neither a disparity nor "no value".
 pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<(), FormatError> {
     let path = path.as_ref();
+    if values.samples().is_empty() {
+        let problem = "the map has no pixels: at least 1 x 1 is needed".to_owned();
+        return Err(FormatError::Write { path: path.to_owned(), problem, source: None });
+    }
     refuse(path, values, |v| v.is_infinite(), "a disparity is finite, or NaN for no value")?;
     match image::extension(path).as_deref() {
         Some("pfm") => write_atomically(path, |writer| pfm::encode(values, writer)),

@@ -64,6 +64,9 @@ pub(crate) fn decode(source: &Source, container: Container) -> Result<Decoded, F
 /// `.ppm` (colour), all 8 or 16 bit as the picture is.
 pub fn write_image(path: impl AsRef<Path>, image: &Image) -> Result<(), FormatError> {
     let path = path.as_ref();
+    if image.columns() == 0 || image.rows() == 0 {
+        return Err(unfit(path, "the picture has no pixels: at least 1 x 1 is needed"));
+    }
     let grey = matches!(image, Image::Grey8(_) | Image::Grey16(_));
     match extension(path).as_deref() {
         Some("png") => write_atomically(path, |writer| png::encode(image, writer)),

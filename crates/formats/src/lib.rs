@@ -8,6 +8,7 @@ mod disparity;
 mod encoding;
 mod error;
 mod image;
+mod inspect;
 mod jpeg;
 mod mask;
 mod netpbm;
@@ -26,5 +27,6 @@ pub use disparity::{ReadDisparity, implausible_scale, read_disparity, write_disp
 pub use encoding::Encoding;
 pub use error::FormatError;
 pub use image::{read_image, write_image};
+pub use inspect::{DisparityReading, FileContent, FileInfo, Statistics, inspect, inspect_bytes};
 pub use mask::read_mask;
 pub use source::{Container, MAX_FILE_BYTES, MAX_PIXELS};

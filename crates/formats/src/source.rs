@@ -112,7 +112,7 @@ impl Source {
     pub fn container(&self) -> Result<Container, FormatError> {
         Container::of(&self.bytes).ok_or_else(|| {
             self.wrong_kind(
-                describe_unknown(&self.bytes),
+                self.describe(),
                 "a PNG, PGM/PPM, JPEG, TIFF, PFM or NPY file is needed (the content counts, not \
                  the extension)",
             )
@@ -181,25 +181,29 @@ impl Source {
         }
         Ok((columns as usize, rows as usize))
     }
-}
 
-/// What a file that is none of ours looks like, for the message.
-fn describe_unknown(bytes: &[u8]) -> &'static str {
-    match bytes {
-        [] => "empty",
-        [b'P', b'1' | b'4', ..] => "a black-and-white PBM picture",
-        [b'P', b'7', ..] => "a PAM picture",
-        [b'P', b'K', 3 | 5, ..] => "a zip archive (.npz is one: save the array alone as .npy)",
-        [b'G', b'I', b'F', b'8', ..] => "a GIF picture",
-        [b'B', b'M', ..] => "a BMP picture",
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "a WebP picture",
-        [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR picture",
-        [0x1f, 0x8b, ..] => "gzip-compressed",
-        [b'%', b'P', b'D', b'F', ..] => "a PDF document",
-        _ if bytes.len() < 8 => "cut off after a few bytes",
-        _ if bytes[..bytes.len().min(512)].iter().all(|b| b.is_ascii_graphic() || is_blank(*b)) => {
-            "text"
+    /// What a file that is none of ours looks like, for messages.
+    pub fn describe(&self) -> &'static str {
+        match &self.bytes[..] {
+            [] => "empty",
+            [b'P', b'1' | b'4', ..] => "a black-and-white PBM picture",
+            [b'P', b'7', ..] => "a PAM picture",
+            [b'P', b'K', 3 | 5, ..] => "a zip archive (.npz is one: save the array alone as .npy)",
+            [b'G', b'I', b'F', b'8', ..] => "a GIF picture",
+            [b'B', b'M', ..] => "a BMP picture",
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "a WebP picture",
+            [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR picture",
+            [0x1f, 0x8b, ..] => "gzip-compressed",
+            [b'%', b'P', b'D', b'F', ..] => "a PDF document",
+            bytes if bytes.len() < 8 => "cut off after a few bytes",
+            bytes
+                if bytes[..bytes.len().min(512)]
+                    .iter()
+                    .all(|b| b.is_ascii_graphic() || is_blank(*b)) =>
+            {
+                "text"
+            }
+            _ => "of an unknown kind",
         }
-        _ => "of an unknown kind",
     }
 }

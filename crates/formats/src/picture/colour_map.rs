@@ -24,7 +24,7 @@ impl ColourMap {
 
     /// The colour of a number; below 0 and above 1 it is that of the end, NaN counts as 0.
     pub fn colour(self, value: f32) -> [u8; 3] {
-        let t = value.max(0.0).min(1.0);
+        let t = if value > 0.0 { value.min(1.0) } else { 0.0 };
         match self {
             Self::Turbo => TURBO.map(|curve| byte(polynomial(&curve, t))),
             Self::Kitti => kitti(t),

@@ -2,6 +2,8 @@
 //! disparities; plain, LZW, Deflate or PackBits. The first picture of the file is read, alpha is
 //! dropped (the colour samples stay as stored).
 
+mod directory;
+
 use std::io::{self, Cursor, Write};
 
 use raster::{Image, Plane};
@@ -30,6 +32,7 @@ pub(crate) enum Content {
 /// Decodes the first picture of a TIFF file.
 pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     let failed = |error: TiffError| explain(source, error);
+    directory::check(source)?;
     let mut decoder = Decoder::new(Cursor::new(&source.bytes[..])).map_err(failed)?;
     let (columns, rows) = decoder.dimensions().map_err(failed)?;
     let color = decoder.colortype().map_err(failed)?;

@@ -1,0 +1,108 @@
+//! [`FileInfo`] as a few aligned lines.
+
+use std::fmt;
+
+use super::{DisparityReading, FileContent, FileInfo, Statistics};
+use crate::npy::shape_text;
+use crate::{Calibration, CalibrationLayout};
+
+impl fmt::Display for FileInfo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (path, bytes) = (self.path.display(), self.bytes);
+        match &self.content {
+            FileContent::Picture {
+                format,
+                columns,
+                rows,
+                bits,
+                stored,
+                samples,
+                as_disparities,
+                ..
+            } => {
+                writeln!(f, "{path}: {} picture, {bytes} bytes", format.name())?;
+                writeln!(f, "  size         {columns} x {rows}")?;
+                writeln!(f, "  samples      {stored}, {bits} bit")?;
+                write!(f, "  values       {samples}")?;
+                readings(f, as_disparities)
+            }
+            FileContent::Floats { format, columns, rows, values } => {
+                writeln!(f, "{path}: {} of float32, {bytes} bytes", format.name())?;
+                writeln!(f, "  size         {columns} x {rows}")?;
+                write!(f, "  values       {values}")
+            }
+            FileContent::Array { dtype, shape, values, as_box } => {
+                writeln!(f, "{path}: NPY array of {dtype}, {bytes} bytes")?;
+                writeln!(f, "  shape        {}", shape_text(shape))?;
+                write!(f, "  values       {values}")?;
+                match as_box {
+                    Some(text) => write!(f, "\n  as a box     {text} (x0,y0,x1,y1, inclusive)"),
+                    None => Ok(()),
+                }
+            }
+            FileContent::Calibration(calibration) => {
+                write!(f, "{path}: ")?;
+                cameras(f, calibration, bytes)
+            }
+        }
+    }
+}
+
+fn readings(f: &mut fmt::Formatter<'_>, readings: &[DisparityReading]) -> fmt::Result {
+    for (n, reading) in readings.iter().enumerate() {
+        let label = if n == 0 { "as disparity" } else { "" };
+        let DisparityReading { encoding, min, max, .. } = reading;
+        write!(f, "\n  {label:<12} {encoding}: {min:.2} to {max:.2} px")?;
+        if n == 0 {
+            write!(f, ", no value at {:.1} % (0)", 100.0 * reading.without_value)?;
+        }
+        if !reading.plausible {
+            f.write_str(", not plausible: as wide as the image")?;
+        }
+    }
+    Ok(())
+}
+
+fn cameras(f: &mut fmt::Formatter<'_>, calibration: &Calibration, bytes: u64) -> fmt::Result {
+    let layout = match calibration.layout {
+        CalibrationLayout::Middlebury => "calibration (Middlebury, ETH3D)",
+        CalibrationLayout::Kitti => "calibration (KITTI)",
+        CalibrationLayout::Lunar => "calibration (lunar)",
+    };
+    write!(f, "{layout}, {bytes} bytes")?;
+    let mut pairs = vec![("", calibration.camera)];
+    if let Some(colour) = calibration.colour_camera {
+        pairs.push((" of the colour pair", colour));
+    }
+    for (which, camera) in pairs {
+        write!(f, "\n  focal length {} px{which}", camera.focal_px)?;
+        write!(f, "\n  baseline     {} m{which}", camera.baseline_m)?;
+        write!(f, "\n  centre       {}, {} px{which}", camera.cx, camera.cy)?;
+        write!(f, "\n  doffs        {} px{which}", camera.doffs)?;
+    }
+    if let (Some(width), Some(height)) = (calibration.width, calibration.height) {
+        write!(f, "\n  size         {width} x {height}")?;
+    }
+    if let Some(ndisp) = calibration.ndisp {
+        write!(f, "\n  disparities  0 to {} px at most (ndisp {ndisp})", ndisp.saturating_sub(1))?;
+    }
+    Ok(())
+}
+
+impl fmt::Display for Statistics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Some(min), Some(max), Some(mean)) = (self.min, self.max, self.mean) else {
+            return f.write_str("none");
+        };
+        write!(f, "{} to {}, mean {mean:.2}", short(min), short(max))?;
+        if self.without_value > 0.0 {
+            write!(f, ", no value at {:.1} %", 100.0 * self.without_value)?;
+        }
+        Ok(())
+    }
+}
+
+/// Whole numbers as such, others with four decimals.
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.4}") }
+}

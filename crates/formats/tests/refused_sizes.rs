@@ -1,0 +1,83 @@
+//! Sizes that a file claims and nobody should believe.
+
+use std::fs;
+
+use formats::{FormatError, npy, read_disparity, read_image};
+use raster::{Image, Plane};
+
+/// A PNG whose header has been changed, its checksum put right.
+fn png_that_claims(columns: u32, rows: u32) -> Vec<u8> {
+    let picture = Plane::filled(1, 1, [0u8; 3]);
+    let mut bytes = formats::picture::png_rgb(&picture).unwrap();
+    bytes[16..20].copy_from_slice(&columns.to_be_bytes());
+    bytes[20..24].copy_from_slice(&rows.to_be_bytes());
+    let checksum = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
+    bytes
+}
+
+/// The checksum of PNG, annex D of its specification.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), |c, _| (c >> 1) ^ (0xedb8_8320 * (c & 1)))
+    })
+}
+
+#[test]
+fn a_png_of_100000_by_100000_is_refused_by_name_size_and_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bomb.png");
+    fs::write(&path, png_that_claims(100_000, 100_000)).unwrap();
+    let error = read_image(&path).unwrap_err();
+    assert!(matches!(error, FormatError::TooLarge { .. }), "{error}");
+    let text = error.to_string();
+    for word in ["bomb.png", "100000 x 100000", "268435456"] {
+        assert!(text.contains(word), "{text}");
+    }
+}
+
+#[test]
+fn a_png_that_is_shorter_than_any_picture_of_its_size_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("short.png");
+    fs::write(&path, png_that_claims(10_000, 10_000)).unwrap();
+    let error = read_image(&path).unwrap_err().to_string();
+    assert!(error.contains("10000 x 10000 pixels, which takes at least"), "{error}");
+    fs::write(&path, png_that_claims(1, 1)).unwrap();
+    assert_eq!(read_image(&path).unwrap(), Image::Rgb8(Plane::filled(1, 1, [0; 3])));
+}
+
+#[test]
+fn an_array_that_claims_more_than_there_is_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("d.npy");
+    for shape in ["(100000, 100000)", "(4294967296, 4294967296)", "(18446744073709551615, 2)"] {
+        let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
+        header.push_str(&" ".repeat(117 - header.len()));
+        header.push('\n');
+        let length = (header.len() as u16).to_le_bytes();
+        fs::write(&path, [b"\x93NUMPY\x01\0", &length[..], header.as_bytes()].concat()).unwrap();
+        for error in [
+            read_disparity(&path, formats::Encoding::Auto).unwrap_err(),
+            npy::read_plane::<f32>(&path).unwrap_err(),
+            npy::read(&path).unwrap_err(),
+        ] {
+            assert_eq!(error.path(), Some(&*path));
+            let first = shape[1..].split(',').next().unwrap();
+            assert!(error.to_string().contains(first), "{error}");
+        }
+    }
+}
+
+#[test]
+fn empty_files_and_folders_are_named_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("empty.png");
+    fs::write(&path, "").unwrap();
+    let error = read_image(&path).unwrap_err().to_string();
+    assert!(error.contains("empty.png is empty, but a PNG"), "{error}");
+    let error = read_image(folder.path()).unwrap_err();
+    assert!(matches!(error, FormatError::Read { .. }), "{error}");
+    let error = read_image(folder.path().join("missing.png")).unwrap_err();
+    assert!(matches!(error, FormatError::Read { .. }), "{error}");
+}
