@@ -13,6 +13,7 @@ mod render;
 mod rig;
 mod sensor;
 mod settings;
+mod terrain;
 mod texture;
 mod vector;
 mod world;

@@ -121,11 +121,15 @@ impl World {
         let material = hit.material;
         // Each object has a texture of its own.
         let seed = hash(self.seed, hit.number.into(), 0, 0);
-        let albedo = material.colour(hit.local, footprint, contrast, seed);
+        let mut albedo = material.colour(hit.local, footprint, contrast, seed);
         let mut normal = hit.normal;
         if material.relief > 0.0 {
             let bump = material.bump(hit.local, footprint, seed);
             normal = (normal + bump * contrast).normalized();
+        }
+        let (dust, cover) = material.dust;
+        if cover > 0.0 {
+            albedo = albedo.mix(dust, cover * smoothstep(0.2, 0.9, normal.z));
         }
         let up = 0.5 + 0.5 * normal.z;
         let mut colour = albedo.scaled(light.below.mix(light.above, up));

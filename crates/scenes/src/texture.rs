@@ -31,6 +31,9 @@ pub(crate) enum Pattern {
     Print { line: f64 },
     /// Growth rings around the object's z axis.
     Wood { ring: f64 },
+    /// Soil: clouds from `size` down to the finest grain that a pixel shows, and dark pebbles of
+    /// every size in x and y.
+    Regolith { size: f64 },
     /// Dark window panes with light frames in x and y, every `width` by `height`.
     Windows { width: f64, height: f64 },
 }
@@ -55,6 +58,8 @@ pub(crate) struct Material {
     pub mirror: f64,
     /// How much the grain also tilts the surface for the light; 0 for smooth.
     pub relief: f64,
+    /// Dust that has settled on what faces up: its colour, and 0 (none) to 1 (all covered).
+    pub dust: (Vector, f64),
 }
 
 impl Material {
@@ -70,6 +75,7 @@ impl Material {
             gloss: 5,
             mirror: 0.0,
             relief: 0.0,
+            dust: (colour, 0.0),
         }
     }
 
@@ -92,6 +98,10 @@ impl Material {
 
     pub fn with_relief(self, relief: f64) -> Self {
         Self { relief, ..self }
+    }
+
+    pub fn with_dust(self, colour: Vector, cover: f64) -> Self {
+        Self { dust: (colour, cover), ..self }
     }
 
     /// How the grain tilts the surface: added to a normal of length 1.
@@ -177,6 +187,11 @@ impl Pattern {
                 let tooth = smoothstep(0.0, 0.75, phase) * (1.0 - smoothstep(0.85, 1.0, phase));
                 mix(0.45, tooth, resolved(ring, footprint))
             }
+            Self::Regolith { size } => {
+                let soil = 0.62 + 0.5 * fractal(p, size, 9, 0.86, footprint, seed);
+                let pebbles = [0.19, 0.07, 0.026].map(|pitch| pebble(p, pitch, footprint, seed));
+                pebbles.into_iter().fold(soil.clamp(0.0, 1.0), |soil, shade| soil * shade)
+            }
             Self::Windows { width, height } => {
                 let pane = |x: f64, period: f64, from: f64, to: f64| {
                     pulse(x / period - from, to - from, footprint / period)
@@ -191,6 +206,26 @@ impl Pattern {
     }
 }
 
+/// 1 on bare soil, less on the pebble that every third cell of a grid in x and y holds.
+fn pebble(p: Vector, pitch: f64, footprint: f64, seed: u64) -> f64 {
+    let left = resolved(0.3 * pitch, footprint);
+    if left == 0.0 {
+        return 1.0;
+    }
+    let (x, y) = ((p.x / pitch).floor(), (p.y / pitch).floor());
+    let number = hash(seed, x as i64, y as i64, 5);
+    if number & 3 != 0 {
+        return 1.0;
+    }
+    // Its place, size and shade are parts of one hash.
+    let part = |shift: u32| (number >> shift & 0xff) as f64 / 255.0;
+    let (dx, dy) = (p.x / pitch - x - 0.3 - 0.4 * part(8), p.y / pitch - y - 0.3 - 0.4 * part(16));
+    let radius = 0.1 + 0.18 * part(24);
+    let distance = (dx * dx + dy * dy).sqrt() / radius;
+    let cover = 1.0 - smoothstep(0.7, 1.1, distance);
+    1.0 - left * cover * (0.15 + 0.5 * part(32))
+}
+
 #[inline]
 fn mix(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
@@ -201,7 +236,7 @@ mod tests {
     use super::*;
     use crate::vector::vector;
 
-    const ALL: [Pattern; 10] = [
+    const ALL: [Pattern; 11] = [
         Pattern::Blank,
         Pattern::Speckle { size: 0.3 },
         Pattern::Cloudy { size: 0.3 },
@@ -212,6 +247,7 @@ mod tests {
         Pattern::Print { line: 0.2 },
         Pattern::Wood { ring: 0.1 },
         Pattern::Windows { width: 0.4, height: 0.5 },
+        Pattern::Regolith { size: 0.5 },
     ];
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Ray, Shape, Tree};
 use crate::light::Light;
+use crate::terrain::Terrain;
 use crate::texture::Material;
 use crate::vector::Vector;
 
@@ -17,6 +18,7 @@ pub(crate) struct Object {
 pub(crate) struct World {
     objects: Vec<Object>,
     tree: Tree,
+    terrain: Option<Terrain>,
     pub light: Light,
     /// Seed of all textures.
     pub seed: u64,
@@ -32,18 +34,21 @@ pub(crate) struct Hit<'a> {
     /// The point in the object's own axes.
     pub local: Vector,
     pub material: &'a Material,
-    /// The object's number.
+    /// The object's number; the ground's is [`GROUND`].
     pub number: u32,
     /// The part of the object, as in [`crate::geometry::Meeting`].
     pub part: u8,
 }
 
+/// The number of the ground in [`Hit`].
+pub(crate) const GROUND: u32 = u32::MAX;
+
 impl World {
-    pub fn new(objects: Vec<Object>, light: Light, seed: u64) -> Self {
+    pub fn new(objects: Vec<Object>, terrain: Option<Terrain>, light: Light, seed: u64) -> Self {
         let boxes = objects.iter().zip(0..).flat_map(|(object, number)| {
             object.shape.boxes().into_iter().map(move |bounds| (bounds, number))
         });
-        Self { tree: Tree::over(boxes.collect()), objects, light, seed }
+        Self { tree: Tree::over(boxes.collect()), objects, terrain, light, seed }
     }
 
     /// How far along the ray the first thing is, beyond `after`; infinity for the sky.
@@ -64,6 +69,12 @@ impl World {
                 None => before,
             }
         });
+        if let Some(terrain) = &self.terrain {
+            let limit = found.map_or(before, |(t, _, _)| t);
+            if let Some(t) = terrain.meets(ray, after, limit) {
+                found = Some((t, GROUND, 0));
+            }
+        }
         found
     }
 
@@ -71,8 +82,11 @@ impl World {
     pub fn hit(&self, ray: &Ray, after: f64) -> Option<Hit<'_>> {
         let (t, number, part) = self.first(ray, after, f64::INFINITY)?;
         let point = ray.at(t);
-        let Object { shape, material } = &self.objects[number as usize];
-        let surface = shape.surface(point, part);
+        let (surface, material) = match (self.objects.get(number as usize), &self.terrain) {
+            (Some(object), _) => (object.shape.surface(point, part), &object.material),
+            (None, Some(terrain)) => (terrain.surface(point), terrain.material()),
+            (None, None) => return None,
+        };
         let facing = surface.normal.dot(ray.direction) <= 0.0;
         let normal = if facing { surface.normal } else { -surface.normal };
         Some(Hit { t, point, normal, local: surface.local, material, number, part })
@@ -90,5 +104,6 @@ impl World {
             before
         });
         blocked
+            || self.terrain.as_ref().is_some_and(|t| t.meets(ray, after, f64::INFINITY).is_some())
     }
 }

@@ -7,6 +7,7 @@ use crate::number::{greatest, least};
 use crate::random::Random;
 use crate::rig::{Pose, Rig};
 use crate::settings::Settings;
+use crate::terrain::Terrain;
 use crate::texture::Material;
 use crate::vector::{Vector, vector};
 use crate::world::{Object, World};
@@ -71,8 +72,9 @@ impl Builder {
             - ahead.dot(self.rig.pose.place)
     }
 
-    pub fn finish(self, light: Light, seed: u64) -> super::Stage {
-        super::Stage { world: World::new(self.objects, light, seed), rig: self.rig }
+    /// The scene, with ground or without.
+    pub fn finish(self, ground: Option<Terrain>, light: Light, seed: u64) -> super::Stage {
+        super::Stage { world: World::new(self.objects, ground, light, seed), rig: self.rig }
     }
 
     /// A colour of any hue, from pale to strong, dark to bright.

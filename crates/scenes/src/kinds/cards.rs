@@ -49,5 +49,5 @@ pub(super) fn build(settings: &Settings) -> Stage {
         let panel = Panel::new(pose.point(x, y, depth), facing, width, height);
         objects.push(Object { shape: panel.into(), material: material(depth) });
     }
-    Stage { world: World::new(objects, even_light(), settings.seed), rig }
+    Stage { world: World::new(objects, None, even_light(), settings.seed), rig }
 }

@@ -66,7 +66,7 @@ pub(super) fn build(settings: &Settings) -> Stage {
         sky: Sky::plain(vector(0.5, 0.5, 0.5)),
         haze: f64::INFINITY,
     };
-    room.builder.finish(light, settings.seed)
+    room.builder.finish(None, light, settings.seed)
 }
 
 impl Room {

@@ -3,6 +3,7 @@
 mod builder;
 mod cards;
 mod clutter;
+mod mars;
 mod plane;
 
 use std::fmt;
@@ -31,6 +32,8 @@ pub enum Kind {
     Cards,
     /// A room full of things at all depths: thin, blank, repeated, slanted, shining.
     Clutter,
+    /// Martian ground with rocks to the horizon, over the deck of a rover.
+    Mars,
 }
 
 /// A world and the cameras in it.
@@ -41,7 +44,7 @@ pub(crate) struct Stage {
 
 impl Kind {
     /// The kinds without numbers of their own: those to choose from when a seed is all there is.
-    pub const NAMED: [Kind; 2] = [Kind::Cards, Kind::Clutter];
+    pub const NAMED: [Kind; 3] = [Kind::Cards, Kind::Clutter, Kind::Mars];
 
     /// The name without numbers.
     fn word(&self) -> &'static str {
@@ -49,6 +52,7 @@ impl Kind {
             Self::Plane { .. } => "plane",
             Self::Cards => "cards",
             Self::Clutter => "clutter",
+            Self::Mars => "mars",
         }
     }
 
@@ -69,6 +73,7 @@ impl Kind {
             }
             Self::Cards => cards::build(settings),
             Self::Clutter => clutter::build(settings),
+            Self::Mars => mars::build(settings),
         }
     }
 }

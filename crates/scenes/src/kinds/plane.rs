@@ -103,5 +103,5 @@ pub(super) fn build(settings: &Settings, offset: f64, per_column: f64, per_row: 
     let middle = pose.point(0.0, 0.0, focal * rig.baseline / ahead);
     let panel = Panel::new(middle, Frame::along(normal), REACH, REACH);
     let objects = vec![Object { shape: panel.into(), material: easy_texture(focal) }];
-    Stage { world: World::new(objects, even_light(), settings.seed), rig }
+    Stage { world: World::new(objects, None, even_light(), settings.seed), rig }
 }
