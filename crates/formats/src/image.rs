@@ -89,3 +89,49 @@ fn unfit(path: &Path, problem: &str) -> FormatError {
 pub(crate) fn extension(path: &Path) -> Option<String> {
     path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raster::Plane;
+
+    #[test]
+    fn pictures_survive_their_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let grey8 = Plane::from_fn(7, 5, |x, y| (x * 30 + y) as u8);
+        let grey16 = Plane::from_fn(7, 5, |x, y| (x * 9000 + y) as u16);
+        for (image, extensions) in [
+            (Image::Grey8(grey8.clone()), ["png", "pgm"]),
+            (Image::Grey16(grey16.clone()), ["PNG", "pgm"]),
+            (Image::Rgb8(grey8.map(|&v| [v, !v, 3])), ["png", "ppm"]),
+            (Image::Rgb16(grey16.map(|&v| [v, !v, 3])), ["png", "ppm"]),
+        ] {
+            for extension in extensions {
+                let path = folder.path().join("picture").with_extension(extension);
+                write_image(&path, &image).unwrap();
+                assert_eq!(read_image(&path).unwrap(), image, "{extension}");
+                // The content counts, not the extension.
+                let renamed = folder.path().join("picture.jpg");
+                std::fs::rename(&path, &renamed).unwrap();
+                assert_eq!(read_image(&renamed).unwrap(), image);
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_the_extension_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let grey = Image::Grey8(Plane::filled(2, 2, 1));
+        let colour = Image::Rgb8(Plane::filled(2, 2, [1; 3]));
+        for (name, image, word) in [
+            ("a.ppm", &grey, "write .pgm or .png"),
+            ("a.pgm", &colour, "write .ppm or .png"),
+            ("a.jpg", &grey, "`.jpg`: use one of .png"),
+            ("a.png", &Image::Grey8(Plane::default()), "no pixels"),
+        ] {
+            let error = write_image(folder.path().join(name), image).unwrap_err().to_string();
+            assert!(error.contains(word), "{error}");
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

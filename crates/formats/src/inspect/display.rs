@@ -57,7 +57,7 @@ fn readings(f: &mut fmt::Formatter<'_>, readings: &[DisparityReading]) -> fmt::R
             write!(f, ", no value at {:.1} % (0)", 100.0 * reading.without_value)?;
         }
         if !reading.plausible {
-            f.write_str(", not plausible: as wide as the image")?;
+            f.write_str(", not plausible: wider than the image")?;
         }
     }
     Ok(())
