@@ -1,4 +1,5 @@
 //! Data sets, engines, runs and records: everything that compares matchers.
 
+pub mod dataset;
 pub mod engine;
 pub mod sandbox;

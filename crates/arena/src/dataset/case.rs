@@ -1,0 +1,223 @@
+//! One scene: what is known before its files are opened, and what is in them.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use formats::Encoding;
+use raster::{BoundingBox, DisparityRange, Image, Plane};
+use serde::{Deserialize, Serialize};
+
+use super::error::DatasetError;
+use super::load;
+
+/// What a scene may be used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Purpose {
+    /// To be measured, never tuned on.
+    Test,
+    /// Parameters may be chosen by it.
+    Tuning,
+    /// From a rover's cameras, without truth.
+    Rover,
+    /// Rendered, with exact truth.
+    Rendered,
+}
+
+impl Purpose {
+    /// Every purpose.
+    pub const ALL: [Purpose; 4] =
+        [Purpose::Test, Purpose::Tuning, Purpose::Rover, Purpose::Rendered];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Test => "test",
+            Self::Tuning => "tuning",
+            Self::Rover => "rover",
+            Self::Rendered => "rendered",
+        }
+    }
+}
+
+impl fmt::Display for Purpose {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Purpose {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|purpose| purpose.name() == text).ok_or_else(|| {
+            format!("`{text}` is no use of a scene; it must be test, tuning, rover or rendered")
+        })
+    }
+}
+
+/// A file of true disparities.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TruthFile {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// How its samples stand for disparities.
+    pub encoding: Encoding,
+}
+
+/// Where the files of a scene lie.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Files {
+    /// The left image.
+    pub left: PathBuf,
+    /// The right image.
+    pub right: PathBuf,
+    /// True disparities of the left image.
+    pub truth: Option<TruthFile>,
+    /// True disparities of the right image, from which occluded pixels can be told.
+    pub truth_right: Option<TruthFile>,
+    /// True disparities of the left image, only of pixels that both cameras see.
+    pub truth_noc: Option<TruthFile>,
+    /// Which pixels both cameras see.
+    pub mask_nocc: Option<PathBuf>,
+    /// The box to answer and score.
+    pub bounds: Option<PathBuf>,
+    /// The calibration.
+    pub calibration: Option<PathBuf>,
+}
+
+/// What makes a rendered scene when it is needed.
+pub(super) type Renderer = Arc<dyn Fn() -> Result<CaseData, String> + Send + Sync>;
+
+#[derive(Clone)]
+pub(super) enum Origin {
+    Files(Files),
+    Rendered(Renderer),
+}
+
+/// One scene, not loaded yet.
+#[derive(Clone)]
+pub struct Case {
+    /// A name, unique in its data set: `FAMILY/SCENE`.
+    pub id: String,
+    /// What it may be used for.
+    pub purpose: Purpose,
+    /// The disparities to search, where the data set states them.
+    pub range: Option<DisparityRange>,
+    /// Where it comes from.
+    pub source: String,
+    /// Under which terms it may be used.
+    pub terms: String,
+    pub(super) origin: Origin,
+}
+
+impl fmt::Debug for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Case").field("id", &self.id).field("purpose", &self.purpose).finish()
+    }
+}
+
+impl Case {
+    /// A scene in files.
+    pub fn new(id: impl Into<String>, purpose: Purpose, files: Files) -> Self {
+        Self {
+            id: id.into(),
+            purpose,
+            range: None,
+            source: String::new(),
+            terms: String::new(),
+            origin: Origin::Files(files),
+        }
+    }
+
+    /// A scene that `render` makes whenever it is needed.
+    pub fn rendered(
+        id: impl Into<String>,
+        render: impl Fn() -> Result<CaseData, String> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            id: id.into(),
+            purpose: Purpose::Rendered,
+            range: None,
+            source: "rendered".into(),
+            terms: String::new(),
+            origin: Origin::Rendered(Arc::new(render)),
+        }
+    }
+
+    /// The part of the id before its last `/`: the data set that the scene belongs to.
+    pub fn family(&self) -> &str {
+        self.id.rsplit_once('/').map_or("", |(family, _)| family)
+    }
+
+    /// Where its files lie; `None` for a rendered scene.
+    pub fn files(&self) -> Option<&Files> {
+        match &self.origin {
+            Origin::Files(files) => Some(files),
+            Origin::Rendered(_) => None,
+        }
+    }
+
+    /// Whether there is truth to score against.
+    pub fn has_truth(&self) -> bool {
+        match &self.origin {
+            Origin::Files(files) => files.truth.is_some(),
+            Origin::Rendered(_) => true,
+        }
+    }
+
+    /// Opens the files, or renders the scene.
+    pub fn load(&self) -> Result<CaseData, DatasetError> {
+        match &self.origin {
+            Origin::Files(files) => load::files(files, self.range),
+            Origin::Rendered(render) => render().map_err(DatasetError::Rendering),
+        }
+    }
+}
+
+/// Pixels that are scored apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseRegion {
+    /// "non-occluded", "occluded", "discontinuity", "textureless".
+    pub name: &'static str,
+    /// Which pixels.
+    pub mask: Plane<bool>,
+    /// Their truth, where the data set has another one for them (KITTI's `disp_noc`).
+    pub truth: Option<Plane<f32>>,
+}
+
+/// One scene, loaded. All planes have the size of the left image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseData {
+    /// The left image.
+    pub left: Image,
+    /// The right image.
+    pub right: Image,
+    /// The pixels to answer and to score.
+    pub bounds: BoundingBox,
+    /// The disparities to search.
+    pub range: DisparityRange,
+    /// True disparities of the left image, NaN = unknown.
+    pub truth: Option<Plane<f32>>,
+    /// Pixels that are scored apart.
+    pub regions: Vec<CaseRegion>,
+    /// Which truth, which masks, what was assumed: sentences for the record.
+    pub protocol: Vec<String>,
+}
+
+impl CaseData {
+    /// A scene in memory whose whole image is answered.
+    pub fn new(left: Image, right: Image, range: DisparityRange) -> Self {
+        let bounds = BoundingBox::whole(left.columns(), left.rows());
+        Self { left, right, bounds, range, truth: None, regions: Vec::new(), protocol: Vec::new() }
+    }
+
+    /// Adds the pixels that both cameras see and those that only the left one does.
+    pub fn add_occlusions(&mut self, occluded: &Plane<bool>) {
+        let non_occluded = occluded.map(|&hidden| !hidden);
+        self.regions.push(CaseRegion { name: "non-occluded", mask: non_occluded, truth: None });
+        self.regions.push(CaseRegion { name: "occluded", mask: occluded.clone(), truth: None });
+    }
+}

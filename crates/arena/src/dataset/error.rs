@@ -1,0 +1,71 @@
+//! Why a scene cannot be used.
+
+use std::io;
+use std::path::PathBuf;
+
+use formats::FormatError;
+use raster::BoundsError;
+
+/// A data set, or one scene of it, cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DatasetError {
+    /// The folder is not there.
+    #[error("{} is not a folder", path.display())]
+    NoFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds nothing that looks like a scene.
+    #[error(
+        "no scene was found in {}: neither a scenes.json nor one of the known layouts (Middlebury, \
+         ETH3D, KITTI, the course's)",
+        path.display()
+    )]
+    NoScenes {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A folder or the catalogue cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The catalogue is no catalogue.
+    #[error("{} is no catalogue of scenes: {problem}", path.display())]
+    Catalogue {
+        /// The catalogue.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        problem: String,
+    },
+    /// A file of a scene cannot be read.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The files of a scene do not belong together.
+    #[error(
+        "{} is {columns} x {rows}, but the left image is {left_columns} x {left_rows}",
+        path.display()
+    )]
+    SizesDiffer {
+        /// The file.
+        path: PathBuf,
+        /// Its columns.
+        columns: usize,
+        /// Its rows.
+        rows: usize,
+        /// Columns of the left image.
+        left_columns: usize,
+        /// Rows of the left image.
+        left_rows: usize,
+    },
+    /// The box or the range makes no sense for the images.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// A scene cannot be rendered.
+    #[error("{0}")]
+    Rendering(String),
+}

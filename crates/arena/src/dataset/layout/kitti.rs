@@ -1,0 +1,43 @@
+//! KITTI 2012 (`image_0`, `image_1`, or `colored_0`, `colored_1`) and 2015 (`image_2`, `image_3`).
+
+use formats::Encoding;
+
+use super::{Case, Folder};
+use crate::dataset::case::{Files, Purpose, TruthFile};
+
+/// Left and right images, in the order of preference, with the suffix of the folders of truth.
+const VIEWS: [(&str, &str); 3] =
+    [("image_0", "image_1"), ("image_2", "image_3"), ("colored_0", "colored_1")];
+const TRUTHS: [(&str, &str); 2] = [("disp_occ", "disp_noc"), ("disp_occ_0", "disp_noc_0")];
+
+/// Every frame at time 10, the only one that has truth.
+pub(super) fn cases(folder: &Folder) -> Vec<Case> {
+    let has = |name: &str| folder.folders.iter().any(|sub| sub == name);
+    let Some((left, right)) = VIEWS.into_iter().find(|(l, r)| has(l) && has(r)) else {
+        return Vec::new();
+    };
+    let Ok(images) = super::read(&folder.path.join(left), String::new()) else {
+        return Vec::new();
+    };
+    let truth = |name: &str, frame: &str| {
+        let path = folder.path.join(name).join(frame);
+        path.is_file().then_some(TruthFile { path, encoding: Encoding::Png16 { divisor: 256.0 } })
+    };
+    let frames = images.files.iter().filter(|name| name.ends_with("_10.png"));
+    frames
+        .filter(|frame| folder.path.join(right).join(frame).is_file())
+        .map(|frame| {
+            let occ = TRUTHS.iter().find_map(|(occ, _)| truth(occ, frame));
+            let noc = TRUTHS.iter().find_map(|(_, noc)| truth(noc, frame));
+            let files = Files {
+                left: folder.path.join(left).join(frame),
+                right: folder.path.join(right).join(frame),
+                truth: occ.or_else(|| noc.clone()),
+                truth_noc: noc,
+                ..Files::default()
+            };
+            let scene = frame.trim_end_matches("_10.png");
+            Case::new(folder.id(Some(scene)), Purpose::Tuning, files)
+        })
+        .collect()
+}

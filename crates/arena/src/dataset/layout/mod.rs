@@ -1,0 +1,101 @@
+//! Finds scenes by the layouts in which data sets are distributed.
+
+mod course;
+mod kitti;
+mod middeval;
+mod middlebury;
+mod pair;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::case::Case;
+use super::error::DatasetError;
+
+/// Folders deeper than this are not looked into.
+const DEPTH: usize = 7;
+
+/// A folder with the names of what it holds.
+pub(super) struct Folder {
+    pub path: PathBuf,
+    /// Path from the root, with `/`.
+    pub name: String,
+    pub files: Vec<String>,
+    pub folders: Vec<String>,
+}
+
+impl Folder {
+    fn has(&self, file: &str) -> bool {
+        self.files.binary_search_by(|name| name.as_str().cmp(file)).is_ok()
+    }
+
+    /// A file, if the folder holds it.
+    fn file(&self, file: &str) -> Option<PathBuf> {
+        self.has(file).then(|| self.path.join(file))
+    }
+
+    /// An id: the folder's name, without the parts that only say what lies below.
+    fn id(&self, scene: Option<&str>) -> String {
+        let parts = self.name.split('/').chain(scene);
+        let telling = |part: &&str| !matches!(*part, "" | "training" | "two_view_training");
+        let parts: Vec<_> = parts.filter(telling).collect();
+        match parts[..] {
+            [] => "scene".into(),
+            _ => parts.join("/"),
+        }
+    }
+}
+
+/// Every scene below `root`, in the order of the folders' names.
+pub(super) fn discover(root: &Path) -> Result<Vec<Case>, DatasetError> {
+    let mut cases = Vec::new();
+    visit(root, String::new(), DEPTH, &mut cases)?;
+    Ok(cases)
+}
+
+fn visit(
+    path: &Path,
+    name: String,
+    depth: usize,
+    cases: &mut Vec<Case>,
+) -> Result<(), DatasetError> {
+    let folder = read(path, name)?;
+    // A folder belongs to the first layout that recognises it; the pairs come last because every
+    // layout would look like a pair to them.
+    let finders = [course::cases, kitti::cases, middlebury::cases, middeval::cases, pair::cases];
+    let found = finders.iter().map(|find| find(&folder)).find(|found| !found.is_empty());
+    let whole_tree = found.is_some() && course::is_root(&folder);
+    cases.extend(found.into_iter().flatten());
+    if depth == 0 || whole_tree {
+        return Ok(());
+    }
+    for sub in &folder.folders {
+        let name = match folder.name.as_str() {
+            "" => sub.clone(),
+            above => format!("{above}/{sub}"),
+        };
+        visit(&folder.path.join(sub), name, depth - 1, cases)?;
+    }
+    Ok(())
+}
+
+/// The names in a folder, sorted; hidden ones and links to folders are left out.
+fn read(path: &Path, name: String) -> Result<Folder, DatasetError> {
+    let failed = |source| DatasetError::Read { path: path.to_owned(), source };
+    let (mut files, mut folders) = (Vec::new(), Vec::new());
+    for entry in fs::read_dir(path).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let Ok(name) = entry.file_name().into_string() else { continue };
+        let kind = entry.file_type().map_err(failed)?;
+        if name.starts_with('.') {
+            continue;
+        } else if kind.is_dir() {
+            folders.push(name);
+        } else {
+            files.push(name);
+        }
+    }
+    files.sort();
+    folders.sort();
+    Ok(Folder { path: path.to_owned(), name, files, folders })
+}

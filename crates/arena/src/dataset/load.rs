@@ -1,0 +1,160 @@
+//! From files to planes: truth, masks, box and range, checked against each other.
+
+use std::path::Path;
+
+use formats::{
+    FormatError, read_bounding_box, read_calibration, read_disparity, read_image, read_mask,
+};
+use raster::{BoundingBox, DisparityRange, Plane};
+use score::masks::{SAME_SURFACE, non_occluded};
+
+use super::case::{CaseData, CaseRegion, Files, TruthFile};
+use super::error::DatasetError;
+
+/// Opens the files of a scene. `range` is what the data set states, if it does.
+pub(super) fn files(
+    files: &Files,
+    range: Option<DisparityRange>,
+) -> Result<CaseData, DatasetError> {
+    let left = read_image(&files.left)?;
+    let right = read_image(&files.right)?;
+    let size = left.size();
+    check_size(&files.right, right.size(), size)?;
+    let mut protocol = Vec::new();
+
+    let truth = match &files.truth {
+        Some(file) => Some(read_truth(file, size, "truth", &mut protocol)?),
+        None => None,
+    };
+    let regions = match &truth {
+        Some(truth) => regions(files, truth, size, &mut protocol)?,
+        None => Vec::new(),
+    };
+    let bounds = match &files.bounds {
+        Some(path) => {
+            let bounds = read_bounding_box(path)?;
+            bounds.check_within(size.0, size.1)?;
+            protocol.push(format!("box {bounds} (inclusive), {}", name(path)));
+            bounds
+        }
+        None => {
+            protocol.push("whole image, the left strip included".into());
+            BoundingBox::whole(size.0, size.1)
+        }
+    };
+    let range = match range {
+        Some(range) => range,
+        None => assumed_range(files, truth.as_ref(), size.0, &mut protocol)?,
+    };
+    Ok(CaseData { left, right, bounds, range, truth, regions, protocol })
+}
+
+/// The file with its folder, which in some data sets alone says what it holds.
+fn name(path: &Path) -> String {
+    let parts: Vec<_> = path.iter().collect();
+    let last: Vec<_> =
+        parts.iter().rev().take(2).rev().map(|part| part.to_string_lossy()).collect();
+    last.join("/")
+}
+
+fn check_size(
+    path: &Path,
+    (columns, rows): (usize, usize),
+    (left_columns, left_rows): (usize, usize),
+) -> Result<(), DatasetError> {
+    if (columns, rows) == (left_columns, left_rows) {
+        return Ok(());
+    }
+    let path = path.to_owned();
+    Err(DatasetError::SizesDiffer { path, columns, rows, left_columns, left_rows })
+}
+
+fn read_truth(
+    file: &TruthFile,
+    size: (usize, usize),
+    what: &str,
+    protocol: &mut Vec<String>,
+) -> Result<Plane<f32>, DatasetError> {
+    let truth = read_disparity(&file.path, file.encoding)?;
+    check_size(&file.path, truth.values.size(), size)?;
+    protocol.push(format!("{what} {} ({})", name(&file.path), truth.encoding));
+    protocol.extend(truth.note);
+    // Zero stands for "unknown" in the truth of every data set, that in PFM files included.
+    let known = |value: f32| value.is_finite() && value != 0.0;
+    Ok(truth.values.map(|&value| if known(value) { value } else { f32::NAN }))
+}
+
+/// The pixels that both cameras see, and the others, from whatever the data set tells about them.
+fn regions(
+    files: &Files,
+    truth: &Plane<f32>,
+    size: (usize, usize),
+    protocol: &mut Vec<String>,
+) -> Result<Vec<CaseRegion>, DatasetError> {
+    let known = |plane: &Plane<f32>| plane.map(|value| value.is_finite());
+    let (mask, own_truth) = if let Some(file) = &files.truth_noc {
+        if files.truth.as_ref().is_some_and(|truth| truth.path == file.path) {
+            protocol.push("the truth holds non-occluded pixels only".into());
+            let mask = known(truth);
+            return Ok(vec![CaseRegion { name: "non-occluded", mask, truth: None }]);
+        }
+        let truth_noc = read_truth(file, size, "non-occluded truth", protocol)?;
+        (known(&truth_noc), Some(truth_noc))
+    } else if let Some(path) = &files.mask_nocc {
+        let mask = read_mask(path)?;
+        check_size(path, mask.size(), size)?;
+        protocol.push(format!("non-occluded where {} is 255", name(path)));
+        (mask, None)
+    } else if let Some(file) = &files.truth_right {
+        let right = read_truth(file, size, "truth of the right view", protocol)?;
+        protocol.push(format!(
+            "non-occluded where the truths of both views agree within {SAME_SURFACE} px"
+        ));
+        (non_occluded(truth, &right, SAME_SURFACE), None)
+    } else {
+        return Ok(Vec::new());
+    };
+    let occluded =
+        Plane::from_fn(size.0, size.1, |x, y| truth.row(y)[x].is_finite() && !mask.row(y)[x]);
+    Ok(vec![
+        CaseRegion { name: "non-occluded", mask, truth: own_truth },
+        CaseRegion { name: "occluded", mask: occluded, truth: None },
+    ])
+}
+
+/// A range for a scene whose data set states none: by its calibration, else by its truth, else a
+/// quarter of the width.
+fn assumed_range(
+    files: &Files,
+    truth: Option<&Plane<f32>>,
+    columns: usize,
+    protocol: &mut Vec<String>,
+) -> Result<DisparityRange, DatasetError> {
+    if let Some(path) = &files.calibration {
+        match read_calibration(path) {
+            // Some data sets put the image's width here, which says nothing.
+            Ok(calibration) => {
+                if let Some(count @ 1..) = calibration.ndisp.filter(|&count| count < columns) {
+                    protocol.push(format!("range by ndisp in {}", name(path)));
+                    return Ok(DisparityRange::new(0, count as i32 - 1)?);
+                }
+            }
+            Err(FormatError::WrongKind { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    let highest = truth.map(|truth| {
+        truth.samples().iter().copied().filter(|value| value.is_finite()).fold(0f32, f32::max)
+    });
+    let highest = match highest {
+        Some(highest) => {
+            protocol.push("range by the largest true disparity".into());
+            highest.ceil() as i32
+        }
+        None => {
+            protocol.push("range: a quarter of the width".into());
+            (columns / 4) as i32
+        }
+    };
+    Ok(DisparityRange::new(0, highest.max(1))?)
+}

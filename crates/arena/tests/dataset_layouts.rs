@@ -1,0 +1,225 @@
+//! Scenes are found by the layouts in which data sets are distributed, and by their catalogue.
+
+use std::fs;
+use std::path::Path;
+
+use arena::dataset::{self, Case, DatasetError, Purpose};
+use formats::{npy, write_disparity, write_image};
+use raster::{Image, Plane};
+
+const SIZE: (usize, usize) = (20, 10);
+
+fn grey8(path: &Path, value: u8) {
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    write_image(path, &Image::Grey8(Plane::filled(SIZE.0, SIZE.1, value))).unwrap();
+}
+
+fn grey16(path: &Path, value: u16) {
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    write_image(path, &Image::Grey16(Plane::filled(SIZE.0, SIZE.1, value))).unwrap();
+}
+
+fn case<'a>(cases: &'a [Case], id: &str) -> &'a Case {
+    let ids: Vec<_> = cases.iter().map(|case| case.id.as_str()).collect();
+    cases.iter().find(|case| case.id == id).unwrap_or_else(|| panic!("{id} is not in {ids:?}"))
+}
+
+fn known(plane: &Plane<f32>) -> usize {
+    plane.samples().iter().filter(|value| value.is_finite()).count()
+}
+
+#[test]
+fn the_course_hand_out_with_its_boxes_and_ranges() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |path: &str| root.path().join("rob501").join(path);
+    for scene in ["cones", "teddy"] {
+        grey8(&at(&format!("images/{scene}/{scene}_image_02.png")), 10);
+        grey8(&at(&format!("images/{scene}/{scene}_image_06.png")), 10);
+        grey8(&at(&format!("images/{scene}/{scene}_disp_02.png")), 40);
+    }
+    for side in ["image_0", "image_1", "colored_0", "colored_1"] {
+        grey8(&at(&format!("images/kitti/{side}/000070_10.png")), 10);
+    }
+    grey16(&at("images/kitti/disp_occ/000070_10.png"), 512);
+    grey16(&at("images/kitti/disp_noc/000070_10.png"), 512);
+    grey8(&at("images/mars/spirit-01l.png"), 10);
+    grey8(&at("images/mars/spirit-01r.png"), 10);
+    fs::create_dir(at("data")).unwrap();
+    for scene in ["cones_02", "teddy_02", "kitti_070"] {
+        let bounds = Plane::new(2, 2, vec![3i32, 12, 1, 8]).unwrap();
+        npy::write(at(&format!("data/{scene}_bounds.npy")), &bounds).unwrap();
+    }
+
+    let cases = dataset::open(root.path()).unwrap();
+    let ids: Vec<_> = cases.iter().map(|case| case.id.as_str()).collect();
+    assert_eq!(ids, ["course/cones", "course/teddy", "course/kitti", "course/mars/spirit-01"]);
+    let cones = case(&cases, "course/cones");
+    assert_eq!((cones.purpose, cones.family()), (Purpose::Test, "course"));
+    let data = cones.load().unwrap();
+    assert_eq!((data.range.min(), data.range.max()), (0, 55));
+    assert_eq!(data.bounds.to_string(), "3,1,12,8");
+    assert_eq!(data.truth.unwrap().samples()[0], 10.0);
+    let kitti = case(&cases, "course/kitti").load().unwrap();
+    assert_eq!((kitti.range.max(), kitti.truth.unwrap().samples()[0]), (150, 2.0));
+    let names: Vec<_> = kitti.regions.iter().map(|region| region.name).collect();
+    assert_eq!(names, ["non-occluded", "occluded"]);
+    let mars = case(&cases, "course/mars/spirit-01");
+    assert_eq!((mars.purpose, mars.has_truth()), (Purpose::Rover, false));
+    let data = mars.load().unwrap();
+    assert_eq!(data.range.max(), 5);
+    assert!(data.protocol.iter().any(|line| line == "range: a quarter of the width"));
+}
+
+#[test]
+fn middlebury_2005_is_scaled_by_its_size_and_cross_checked() {
+    let root = tempfile::tempdir().unwrap();
+    for size in ["ThirdSize", "HalfSize", "FullSize", "other"] {
+        let at = |file: &str| root.path().join("middlebury2005").join(size).join("Art").join(file);
+        grey8(&at("view1.png"), 9);
+        grey8(&at("view5.png"), 9);
+        grey8(&at("disp1.png"), 12);
+        grey8(&at("disp5.png"), 12);
+    }
+    let cases = dataset::open(root.path()).unwrap();
+    for (size, disparity) in [("ThirdSize", 4.0), ("HalfSize", 6.0), ("FullSize", 12.0)] {
+        let data = case(&cases, &format!("middlebury2005/{size}/Art")).load().unwrap();
+        assert_eq!(data.truth.unwrap().samples()[0], disparity);
+        assert_eq!(data.range.max(), disparity as i32);
+        // The left strip is hidden from the right camera.
+        let hidden = &data.regions[1];
+        assert_eq!((hidden.name, hidden.mask.row(0)[0]), ("occluded", true));
+        assert!(!hidden.mask.row(0)[SIZE.0 - 1]);
+    }
+    assert!(!case(&cases, "middlebury2005/other/Art").has_truth());
+}
+
+#[test]
+fn middeval_and_eth3d_with_mask_and_calibration() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |file: &str| root.path().join("MiddEval3/trainingQ/Pipes").join(file);
+    grey8(&at("im0.png"), 9);
+    grey8(&at("im1.png"), 9);
+    grey8(&at("mask0nocc.png"), 255);
+    let mut truth = Plane::filled(SIZE.0, SIZE.1, 3.5f32);
+    truth.row_mut(0)[0] = f32::NAN;
+    truth.row_mut(0)[1] = 0.0;
+    write_disparity(at("disp0GT.pfm"), &truth).unwrap();
+    let calibration = "cam0=[100 0 9; 0 100 4; 0 0 1]\ncam1=[100 0 9; 0 100 4; 0 0 1]\ndoffs=0\n\
+                       baseline=100\nwidth=20\nheight=10\nndisp=8\n";
+    fs::write(at("calib.txt"), calibration).unwrap();
+    let cases = dataset::open(root.path()).unwrap();
+    let data = case(&cases, "MiddEval3/trainingQ/Pipes").load().unwrap();
+    assert_eq!(data.range.max(), 7);
+    assert_eq!(known(&data.truth.unwrap()), 198);
+    assert!(data.regions[0].mask.samples().iter().all(|&both| both));
+    assert!(data.protocol.contains(&"non-occluded where Pipes/mask0nocc.png is 255".to_owned()));
+}
+
+#[test]
+fn kitti_2015_says_when_its_truth_is_non_occluded_only() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |path: &str| root.path().join("kitti2015/training").join(path);
+    for frame in ["000000_10.png", "000001_10.png"] {
+        grey8(&at("image_2").join(frame), 9);
+        grey8(&at("image_3").join(frame), 9);
+        grey16(&at("disp_noc_0").join(frame), 1024);
+    }
+    grey8(&at("image_2/000000_11.png"), 9);
+    grey16(&at("disp_occ_0/000000_10.png"), 1024);
+    let cases = dataset::open(root.path()).unwrap();
+    assert_eq!(cases.len(), 2);
+    let both = case(&cases, "kitti2015/000000").load().unwrap();
+    assert_eq!((both.range.max(), both.regions.len()), (4, 2));
+    let noc = case(&cases, "kitti2015/000001").load().unwrap();
+    assert_eq!(noc.regions.len(), 1);
+    assert!(noc.protocol.contains(&"the truth holds non-occluded pixels only".to_owned()));
+}
+
+#[test]
+fn a_catalogue_is_believed() {
+    let root = tempfile::tempdir().unwrap();
+    grey8(&root.path().join("a.png"), 9);
+    grey8(&root.path().join("t.png"), 20);
+    let write = |text: &str| fs::write(root.path().join("scenes.json"), text).unwrap();
+    write(
+        r#"[{"id": "x/one", "use": "tuning", "left": "a.png", "right": "a.png", "truth": "t.png",
+            "truth_encoding": "png8/4", "min_disparity": -2, "max_disparity": 6, "terms": "free"},
+           {"id": "course/cones", "use": "test", "left": "a.png", "right": "a.png"}]"#,
+    );
+    let cases = dataset::open(root.path()).unwrap();
+    assert_eq!(cases[0].id, "course/cones", "the course's scenes come first");
+    let data = case(&cases, "x/one").load().unwrap();
+    assert_eq!((data.range.min(), data.range.max()), (-2, 6));
+    assert_eq!(data.truth.unwrap().samples()[0], 5.0);
+
+    let pair = r#""left": "a.png", "right": "a.png""#;
+    for (text, words) in [
+        ("{".into(), "is no catalogue of scenes"),
+        (format!(r#"[{{"id": "x", "use": "play", {pair}}}]"#), "unknown variant `play`"),
+        (format!(r#"[{{"id": "x", "use": "test", {pair}, "colour": 1}}]"#), "unknown field"),
+        (format!(r#"[{{"id": "../x", "use": "test", {pair}}}]"#), "FAMILY/SCENE"),
+        (
+            format!(
+                r#"[{{"id": "x", "use": "test", {pair}, "truth": "t.png", "truth_encoding": "png8"}}]"#
+            ),
+            "scene `x`: `png8` is not an encoding",
+        ),
+        (
+            format!(r#"[{{"id": "x", "use": "test", {pair}, "max_disparity": -1}}]"#),
+            "scene `x`: the disparity range 0 to -1 is empty",
+        ),
+        (
+            format!(
+                r#"[{{"id": "x", "use": "test", {pair}}}, {{"id": "x", "use": "test", {pair}}}]"#
+            ),
+            "`x` is there twice",
+        ),
+    ] {
+        write(&text);
+        let error = dataset::open(root.path()).unwrap_err().to_string();
+        assert!(error.contains("scenes.json") && error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn files_that_do_not_belong_together_are_named() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |file: &str| root.path().join("one").join(file);
+    grey8(&at("im0.png"), 9);
+    write_image(at("im1.png"), &Image::Grey8(Plane::filled(3, 3, 0))).unwrap();
+    let error = dataset::open(root.path()).unwrap()[0].load().unwrap_err();
+    assert!(matches!(error, DatasetError::SizesDiffer { .. }), "{error}");
+    assert!(error.to_string().contains("im1.png is 3 x 3, but the left image is 20 x 10"));
+    fs::write(at("im1.png"), "not an image").unwrap();
+    let error = dataset::open(root.path()).unwrap()[0].load().unwrap_err();
+    assert!(error.to_string().contains("im1.png"), "{error}");
+    let empty = tempfile::tempdir().unwrap();
+    let error = dataset::open(empty.path()).unwrap_err().to_string();
+    assert!(error.starts_with("no scene was found"), "{error}");
+    let error = dataset::open(&empty.path().join("nothing")).unwrap_err().to_string();
+    assert!(error.ends_with("is not a folder"), "{error}");
+}
+
+#[test]
+fn real_data_is_read_where_there_is_some() {
+    let Some(root) = std::env::var_os("HAZCAM_DATA") else {
+        println!("not tested: HAZCAM_DATA is not set");
+        return;
+    };
+    let cases = dataset::open(Path::new(&root)).unwrap();
+    let mut families = Vec::new();
+    for case in &cases {
+        let data = case.load().unwrap_or_else(|error| panic!("{}: {error}", case.id));
+        assert_eq!(data.truth.is_some(), case.has_truth());
+        if !families.contains(&case.family()) {
+            println!(
+                "{}: {} to {}; {}",
+                case.id,
+                data.range.min(),
+                data.range.max(),
+                data.protocol.join("; ")
+            );
+            families.push(case.family());
+        }
+    }
+}
