@@ -143,7 +143,7 @@ pub fn sparsification(
         holes: pixels.holes(),
         protocol: format!(
             "ranked by confidence: {n} estimates with known truth in {}; {}; ties count with \
-             their mean error; {} holes are not ranked",
+             their mean error; holes are not ranked (holes: {})",
             pixels.describe(),
             match error {
                 RankedError::EndPoint => "the error is |estimate - truth| in pixels".into(),

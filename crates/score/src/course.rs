@@ -53,7 +53,7 @@ pub fn course(pixels: &Pixels<'_>) -> Option<Course> {
         holes,
         protocol: format!(
             "course: {count} pixels with known, nonzero truth in {}; bad is > {BAD} px; a hole \
-             counts as disparity 0 in E_RMS and as bad in p_bad ({holes} holes)",
+             counts as disparity 0 in E_RMS and as bad in p_bad (holes: {holes})",
             pixels.describe()
         ),
     })
@@ -85,7 +85,7 @@ mod tests {
         let got = of(&[f32::NAN, 1.0], &[1.0, 1.0]).unwrap();
         assert_eq!(got.e_rms, 0.5f64.sqrt());
         assert_eq!((got.p_bad, got.holes), (0.5, 1));
-        assert!(got.protocol.ends_with("as bad in p_bad (1 holes)"));
+        assert!(got.protocol.ends_with("as bad in p_bad (holes: 1)"));
     }
 
     #[test]

@@ -60,8 +60,8 @@ pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
         density: pixels.density(),
         protocol: format!(
             "KITTI 2015: {} pixels with known truth in {}; an outlier is off by > {PIXELS} px and \
-             > {} %; D1 after {} holes were filled from the background in their row, D1-est of \
-             the estimates only",
+             > {} %; D1 after holes were filled from the background in their row (holes: {}), \
+             D1-est of the estimates only",
             pixels.count(),
             pixels.describe(),
             SHARE * 100.0,

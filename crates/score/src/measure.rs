@@ -37,7 +37,7 @@ macro_rules! measure {
 
 impl Measure {
     /// Every measure, the course's two first, then family by family.
-    pub const ALL: [Measure; 21] = [
+    pub const ALL: [Measure; 25] = [
         Measure {
             name: "E_RMS",
             unit: Unit::Pixels,
@@ -58,6 +58,10 @@ impl Measure {
         measure!("bad1", Share, middlebury, |m| Some(m.bad[1].totbad)),
         measure!("bad2", Share, middlebury, |m| Some(m.bad[2].totbad)),
         measure!("bad4", Share, middlebury, |m| Some(m.bad[3].totbad)),
+        measure!("bad0.5-est", Share, middlebury, |m| m.bad[0].of_estimates),
+        measure!("bad1-est", Share, middlebury, |m| m.bad[1].of_estimates),
+        measure!("bad2-est", Share, middlebury, |m| m.bad[2].of_estimates),
+        measure!("bad4-est", Share, middlebury, |m| m.bad[3].of_estimates),
         measure!("avgerr", Pixels, middlebury, |m| m.avgerr),
         measure!("rms", Pixels, middlebury, |m| m.rms),
         measure!("A50", Pixels, middlebury, |m| m.a50),

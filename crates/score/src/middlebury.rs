@@ -113,8 +113,9 @@ pub fn middlebury(
         density: pixels.density(),
         clipped,
         protocol: format!(
-            "Middlebury v3: {} pixels with known truth in {}; bad is strictly greater; totbad \
-             counts the {} holes as bad; avgerr, rms and A50 to A99 are of the estimates only; {}",
+            "Middlebury v3: {} pixels with known truth in {}; bad T is off by > T px, or a hole \
+             (holes: {}); avgerr, rms, A50 to A99 and everything that ends in -est are of the \
+             estimates only; {}",
             pixels.count(),
             pixels.describe(),
             pixels.holes(),

@@ -1,0 +1,38 @@
+//! `hazcam doctor`.
+
+use crate::folder::Folder;
+
+#[test]
+fn the_self_match_is_right_and_the_rest_is_told() {
+    let folder = Folder::new();
+    let outcome = folder.run("doctor").done();
+    for topic in ["vector instructions", "cores", "sandbox", "data sets", "python"] {
+        assert!(outcome.stdout.contains(topic), "{topic} is not in {}", outcome.stdout);
+    }
+    for matcher in ["fast", "balanced", "best"] {
+        assert!(outcome.stdout.contains(&format!("ok      self-match {matcher}")));
+    }
+    let findings: serde_json::Value =
+        serde_json::from_str(&folder.run("doctor --json").done().stdout).unwrap();
+    assert_eq!(findings[0]["topic"], "version");
+}
+
+#[test]
+fn a_level_that_the_processor_lacks_is_wrong() {
+    let folder = Folder::new();
+    let output = folder.command().arg("doctor").env("HAZCAM_CPU", "abacus").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("WRONG   vector instructions"), "{text}");
+    assert!(text.contains("`abacus`"), "{text}");
+}
+
+#[test]
+fn without_python_it_says_what_for() {
+    let folder = Folder::new();
+    let output =
+        folder.command().arg("doctor").env("HAZCAM_PYTHON", "no-such-python").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("`no-such-python` does not run; grading Python submissions"), "{text}");
+    assert!(output.status.success(), "Python is optional");
+}

@@ -1,0 +1,10 @@
+//! The command as a person meets it: the binary is run, and what it prints, leaves behind and ends
+//! with is looked at.
+
+mod bad_input;
+mod doctor;
+mod folder;
+mod help;
+mod info;
+mod match_pair;
+mod score;

@@ -1,0 +1,201 @@
+//! `hazcam match` on pairs that it must answer.
+
+use std::process::Stdio;
+
+use raster::Plane;
+use serde_json::Value;
+
+use crate::folder::{Folder, disparities};
+
+fn sidecar(folder: &Folder, name: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.path(name)).unwrap()).unwrap()
+}
+
+/// The share of values within one pixel of 3, right of the strip that only the left camera sees.
+fn share_at_three(map: &Plane<f32>) -> f64 {
+    let right: Vec<f32> = (0..map.rows()).flat_map(|y| map.row(y)[3..].to_vec()).collect();
+    right.iter().filter(|v| (*v - 3.0).abs() <= 1.0).count() as f64 / right.len() as f64
+}
+
+#[test]
+fn every_matcher_finds_a_wall_and_records_what_it_did() {
+    let folder = Folder::with_pair(64, 40);
+    for matcher in ["fast", "balanced", "best"] {
+        let outcome = folder
+            .run(&format!("match left.png right.png -o d.pfm --matcher {matcher} -d 12"))
+            .done();
+        assert_eq!(outcome.stdout, "", "the answer is in the file");
+        assert!(outcome.stderr.contains("disparities 0 to 12"), "{}", outcome.stderr);
+        let map = disparities(folder.path("d.pfm"));
+        assert_eq!(map.size(), (64, 40));
+        assert!(map.samples().iter().all(|v| (0.0..=12.0).contains(v)), "all filled");
+        assert!(share_at_three(&map) > 0.95, "{matcher}: {}", share_at_three(&map));
+
+        let record = sidecar(&folder, "d.pfm.json");
+        assert_eq!(record["options"]["matcher"], matcher);
+        assert_eq!(record["options"]["box"], "0,0,63,39");
+        assert_eq!(record["left"]["sha256"].as_str().unwrap().len(), 64);
+        assert!(record["time"]["wall_s"].as_f64().unwrap() >= 0.0);
+        let shares: f64 =
+            record["reasons"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).sum();
+        assert!((shares - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn the_recorded_hash_is_that_of_the_file() {
+    let folder = Folder::with_pair(16, 16);
+    std::fs::write(folder.path("left.pgm"), b"P5 3 1 255\nabc").unwrap();
+    folder.run("match left.pgm left.pgm -o d.npy -d 1").done();
+    // From `sha256sum`.
+    assert_eq!(
+        sidecar(&folder, "d.npy.json")["left"]["sha256"],
+        "5ce6bf4d1d6c40fdf30467e4dc29d165efbda02b361be8eeb9046fd7c2a41253"
+    );
+}
+
+#[test]
+fn the_format_follows_the_extension() {
+    let folder = Folder::with_pair(32, 20);
+    folder.run("match left.png right.png -o d.pfm -d 8").done();
+    let expected = disparities(folder.path("d.pfm"));
+    for name in ["d.npy", "d.tiff"] {
+        folder.run(&format!("match left.png right.png -o {name} -d 8")).done();
+        assert_eq!(disparities(folder.path(name)), expected, "{name}");
+    }
+    folder.run("match left.png right.png -o d.png -d 8").done();
+    let coarse = disparities(folder.path("d.png"));
+    for (a, b) in coarse.samples().iter().zip(expected.samples()) {
+        // KITTI's files have steps of 1/256, and no 0: it would say that there is no disparity.
+        assert!((a - b).abs() <= 1.0 / 256.0, "{a} is not {b}");
+    }
+}
+
+#[test]
+fn other_files_come_on_request() {
+    let folder = Folder::with_pair(32, 20);
+    folder
+        .run(
+            "match left.png right.png -o d.pfm -d 8 --preview p.png --confidence c.npy \
+             --reasons r.ppm",
+        )
+        .done();
+    let expected = ["c.npy", "d.pfm", "d.pfm.json", "left.png", "p.png", "r.ppm", "right.png"];
+    assert_eq!(folder.names(), expected);
+    let confidence = disparities(folder.path("c.npy"));
+    assert!(confidence.samples().iter().all(|v| (0.0..=1.0).contains(v)));
+    assert_eq!(formats::read_image(folder.path("p.png")).unwrap().size(), (32, 20));
+}
+
+#[test]
+fn only_the_box_is_answered() {
+    let folder = Folder::with_pair(40, 24);
+    folder.run("match left.png right.png -o d.pfm -d 8 --box 10,5,29,14").done();
+    let map = disparities(folder.path("d.pfm"));
+    for y in 0..24 {
+        for x in 0..40 {
+            let inside = (10..=29).contains(&x) && (5..=14).contains(&y);
+            assert_eq!(map.row(y)[x].is_finite(), inside, "at {x}, {y}");
+        }
+    }
+    let box_file = Plane::new(2, 2, vec![10i32, 29, 5, 14]).unwrap();
+    formats::npy::write(folder.path("bounds.npy"), &box_file).unwrap();
+    folder.run("match left.png right.png -o e.pfm -d 8 --box bounds.npy").done();
+    let bytes = |name| std::fs::read(folder.path(name)).unwrap();
+    assert_eq!(bytes("d.pfm"), bytes("e.pfm"));
+}
+
+#[test]
+fn holes_can_be_kept() {
+    let folder = Folder::with_pair(64, 40);
+    folder.run("match left.png right.png -o d.pfm -d 12 --holes keep").done();
+    let record = sidecar(&folder, "d.pfm.json");
+    let reasons = record["reasons"].as_object().unwrap();
+    assert!(reasons.keys().all(|name| name == "matched" || name.ends_with("-hole")), "{reasons:?}");
+    let holes = disparities(folder.path("d.pfm")).samples().iter().filter(|v| v.is_nan()).count();
+    let matched = reasons["matched"].as_f64().unwrap();
+    assert_eq!(holes, (64.0 * 40.0 * (1.0 - matched)).round() as usize);
+}
+
+#[test]
+fn a_largest_disparity_of_zero_is_answered() {
+    let folder = Folder::with_pair(24, 16);
+    folder.run("match left.png right.png -o d.pfm --max-disparity 0").done();
+    assert!(disparities(folder.path("d.pfm")).samples().iter().all(|&v| v == 0.0));
+}
+
+#[test]
+fn a_largest_disparity_past_the_width_is_answered() {
+    let folder = Folder::with_pair(24, 16);
+    folder.run("match left.png right.png -o d.pfm --max-disparity 100").done();
+    let map = disparities(folder.path("d.pfm"));
+    assert!(map.samples().iter().all(|v| (0.0..=100.0).contains(v)));
+}
+
+#[test]
+fn images_of_one_pixel_are_answered() {
+    let folder = Folder::with_pair(1, 1);
+    for matcher in ["fast", "balanced", "best"] {
+        folder.run(&format!("match left.png right.png -o d.npy -d 4 -m {matcher}")).done();
+        let map = disparities(folder.path("d.npy"));
+        assert_eq!(map.size(), (1, 1));
+        assert!((0.0..=4.0).contains(&map.samples()[0]));
+    }
+}
+
+#[test]
+fn negative_disparities_are_legal() {
+    let folder = Folder::with_pair(64, 40);
+    // Swapped, the wall lies at -3.
+    folder.run("match right.png left.png -o d.pfm --min-disparity -8 -d 0").done();
+    let map = disparities(folder.path("d.pfm"));
+    let right = map.samples().iter().filter(|v| (*v + 3.0).abs() <= 1.0).count();
+    assert!(right as f64 > 0.9 * map.samples().len() as f64, "{right}");
+}
+
+#[test]
+fn what_was_assumed_is_told_unless_told_not_to() {
+    let folder = Folder::with_pair(100, 16);
+    let outcome = folder.run("match left.png right.png -o d.pfm").done();
+    assert!(outcome.stderr.contains("disparities from 0 to 32 were assumed from the width of 100"));
+    assert_eq!(sidecar(&folder, "d.pfm.json")["options"]["max_disparity"], 32);
+    let outcome = folder.run("match left.png right.png -o d.pfm --quiet").done();
+    assert_eq!(outcome.stderr, "");
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let folder = Folder::with_pair(64, 40);
+    let bytes = |options: &str| {
+        folder.run(&format!("match left.png right.png -o d.pfm -d 12 {options}")).done();
+        std::fs::read(folder.path("d.pfm")).unwrap()
+    };
+    assert_eq!(bytes("--threads 1"), bytes("--threads 3"));
+}
+
+#[test]
+fn options_come_from_the_environment_and_flags_win() {
+    let folder = Folder::with_pair(24, 16);
+    let threads = |arguments: &[&str]| {
+        let status = folder
+            .command()
+            .args(["match", "left.png", "right.png", "-o", "d.pfm", "-d", "4"])
+            .args(arguments)
+            .env("HAZCAM_THREADS", "3")
+            .stderr(Stdio::null())
+            .status();
+        assert!(status.unwrap().success());
+        sidecar(&folder, "d.pfm.json")["options"]["threads"].as_u64()
+    };
+    assert_eq!(threads(&[]), Some(3));
+    assert_eq!(threads(&["--threads", "2"]), Some(2));
+}
+
+#[test]
+fn an_older_output_survives_a_failed_run() {
+    let folder = Folder::with_pair(24, 16);
+    folder.run("match left.png right.png -o d.pfm -d 4").done();
+    let before = std::fs::read(folder.path("d.pfm")).unwrap();
+    folder.refuses("match left.png gone.png -o d.pfm -d 4", &["gone.png"]);
+    assert_eq!(std::fs::read(folder.path("d.pfm")).unwrap(), before);
+}

@@ -1,0 +1,118 @@
+//! `hazcam score` on maps whose scores are known.
+
+use raster::{Image, Plane};
+use serde_json::Value;
+
+use crate::folder::Folder;
+
+/// Errors 0, 1, 3 and a hole, and one pixel without truth.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.disparities("d.pfm", &[10.0, 11.0, 13.0, f32::NAN, 5.0]);
+    folder.disparities("truth.pfm", &[10.0, 10.0, 10.0, 10.0, f32::NAN]);
+    folder
+}
+
+#[test]
+fn the_courses_numbers_come_first_and_holes_are_shown() {
+    let outcome = folder().run("score d.pfm truth.pfm").done();
+    insta::assert_snapshot!(outcome.stdout);
+    assert_eq!(outcome.stderr, "");
+}
+
+#[test]
+fn json_holds_numbers_and_protocols() {
+    let outcome = folder().run("score d.pfm truth.pfm --format json").done();
+    let report: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let scores = &report["scores"];
+    assert_eq!(scores["course"]["p_bad"], 0.5);
+    // Squares 0, 1, 9, and 100 for the hole, which counts as disparity 0.
+    assert_eq!(scores["course"]["e_rms"], f64::sqrt(110.0 / 4.0));
+    assert_eq!(scores["middlebury"]["bad"][2]["totbad"], 0.5);
+    assert_eq!(scores["middlebury"]["bad"][2]["bad"], 0.25);
+    assert_eq!((&scores["pixels"], &scores["holes"]), (&Value::from(4), &Value::from(1)));
+    assert_eq!(report["truth"]["encoding"], "pfm");
+    assert!(scores["kitti"]["protocol"].as_str().unwrap().contains("filled"));
+}
+
+#[test]
+fn csv_and_markdown_hold_the_same_numbers() {
+    let folder = folder();
+    let csv = folder.run("score d.pfm truth.pfm --format csv").done().stdout;
+    assert!(csv.starts_with("estimate,truth,measure,value,unit,protocol\n"));
+    assert!(csv.contains("\nd.pfm,truth.pfm,p_bad,0.5,share,\"course: 4 pixels"), "{csv}");
+    let markdown = folder.run("score d.pfm truth.pfm --format markdown").done().stdout;
+    assert!(markdown.contains("| p_bad [1] | 0.5000 |"), "{markdown}");
+    assert!(markdown.contains("\n1. course: 4 pixels"), "{markdown}");
+}
+
+#[test]
+fn a_score_over_its_threshold_ends_with_status_one() {
+    let folder = folder();
+    let run = |options: &str| folder.run(&format!("score d.pfm truth.pfm {options}"));
+    let outcome = run("--fail-over p_bad=0.5 --fail-over e_rms=5.5");
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""));
+    let outcome = run("--fail-over p_bad=49% --fail-over E_RMS=5 --fail-over A50=9");
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.stdout.contains("E_RMS"), "the scores are printed all the same");
+    let expected = "failed: p_bad is 0.5000, over 0.49\nfailed: E_RMS is 5.2440, over 5\n";
+    assert_eq!(outcome.stderr, expected);
+}
+
+#[test]
+fn box_and_mask_choose_the_pixels() {
+    let folder = folder();
+    let mask = Plane::new(5, 1, vec![255, 255, 128, 255, 0]).unwrap();
+    formats::write_image(folder.path("mask.png"), &Image::Grey8(mask)).unwrap();
+    let json = |options: &str| -> Value {
+        let arguments = format!("score d.pfm truth.pfm --format json {options}");
+        serde_json::from_str(&folder.run(&arguments).done().stdout).unwrap()
+    };
+    let report = json("--mask mask.png --box 1,0,4,0");
+    assert_eq!(report["scores"]["pixels"], 2);
+    assert_eq!(report["scores"]["course"]["p_bad"], 0.5);
+    let protocol = report["scores"]["course"]["protocol"].as_str().unwrap();
+    assert!(protocol.contains("the box 1,0,4,0 (inclusive) under the mask `mask.png`"));
+    assert_eq!(json("--max-disparity 12")["scores"]["middlebury"]["clipped"], 1);
+}
+
+#[test]
+fn a_truth_read_at_the_wrong_scale_is_told() {
+    let folder = Folder::new();
+    let samples: Vec<u8> = (0..60).map(|x| 40 + 2 * x).collect();
+    let values: Vec<f32> = samples.iter().map(|&s| f32::from(s) / 4.0).collect();
+    folder.disparities("d.pfm", &values);
+    let truth = Image::Grey8(Plane::new(60, 1, samples).unwrap());
+    formats::write_image(folder.path("truth.png"), &truth).unwrap();
+    let outcome = folder.run("score d.pfm truth.png").done();
+    assert!(outcome.stderr.contains("truth.png: 8-bit grey does not say its scale"));
+    assert!(
+        outcome.stderr.contains("divided by 4: read it with --truth-encoding png8/4"),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = folder.run("score d.pfm truth.png --truth-encoding png8/4").done();
+    assert_eq!(outcome.stderr, "");
+    assert!(outcome.stdout.contains("E_RMS              0.000 px"), "{}", outcome.stdout);
+}
+
+#[test]
+fn an_estimate_without_a_value_is_all_bad() {
+    let folder = Folder::new();
+    folder.disparities("d.pfm", &[f32::NAN]);
+    folder.disparities("truth.pfm", &[8.0]);
+    let outcome = folder.run("score d.pfm truth.pfm --fail-over avgerr=100");
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.stdout.contains("1 of them holes (100.00 %)"), "{}", outcome.stdout);
+    assert!(outcome.stderr.contains("avgerr has no value"), "{}", outcome.stderr);
+}
+
+#[test]
+fn what_match_writes_score_reads() {
+    let folder = Folder::with_pair(64, 40);
+    let truth = Plane::filled(64, 40, 3.0);
+    formats::write_disparity(folder.path("truth.png"), &truth).unwrap();
+    folder.run("match left.png right.png -o d.png -d 12 --matcher fast").done();
+    let outcome = folder.run("score d.png truth.png --box 3,0,63,39 --fail-over p_bad=5%");
+    assert_eq!(outcome.status, 0, "{}{}", outcome.stdout, outcome.stderr);
+}
