@@ -36,3 +36,19 @@ fn without_python_it_says_what_for() {
     assert!(text.contains("`no-such-python` does not run; grading Python submissions"), "{text}");
     assert!(output.status.success(), "Python is optional");
 }
+
+#[test]
+fn scenes_are_found_where_the_environment_says() {
+    let folder = Folder::with_pair(24, 16);
+    let doctor = |data: &str| {
+        let output = folder.command().arg("doctor").env("HAZCAM_DATA", data).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let found = doctor(".");
+    assert!(found.contains("ok      data sets"), "{found}");
+    assert!(found.contains(": 1 scenes"), "{found}");
+    let missing = doctor("nowhere");
+    assert!(missing.contains("absent  data sets"), "{missing}");
+    assert!(missing.contains("nowhere"), "{missing}");
+}

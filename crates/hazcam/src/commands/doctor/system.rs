@@ -1,5 +1,6 @@
 //! What the processor, the kernel and the disk offer.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::thread;
 
@@ -55,21 +56,30 @@ pub fn sandbox() -> Finding {
     }
 }
 
-/// Whether there is a folder with data sets.
+/// The scenes found in the folder that `HAZCAM_DATA` names.
 pub fn data() -> Finding {
     const TOPIC: &str = "data sets";
-    match std::env::var_os("HAZCAM_DATA") {
-        None => Finding::absent(
+    let Some(folder) = std::env::var_os("HAZCAM_DATA") else {
+        return Finding::absent(
             TOPIC,
             "HAZCAM_DATA names no folder; real scenes need it, `hazcam demo` does not",
-        ),
-        Some(folder) if Path::new(&folder).is_dir() => {
-            Finding::ok(TOPIC, Path::new(&folder).display().to_string())
+        );
+    };
+    let folder = Path::new(&folder);
+    match arena::dataset::open(folder) {
+        Ok(cases) => {
+            // A case's id begins with the name of its family.
+            let mut families: BTreeMap<&str, usize> = BTreeMap::new();
+            for case in &cases {
+                let family = case.id.split('/').next().unwrap_or_default();
+                *families.entry(family).or_default() += 1;
+            }
+            let counts: Vec<_> =
+                families.iter().map(|(family, count)| format!("{family} {count}")).collect();
+            let found = format!("{}: {} scenes", folder.display(), cases.len());
+            Finding::ok(TOPIC, format!("{found} ({})", counts.join(", ")))
         }
-        Some(folder) => Finding::absent(
-            TOPIC,
-            format!("HAZCAM_DATA is {}, which is no folder", Path::new(&folder).display()),
-        ),
+        Err(error) => Finding::absent(TOPIC, format!("HAZCAM_DATA: {error}")),
     }
 }
 
