@@ -106,7 +106,7 @@ impl Material {
 
     /// How the grain tilts the surface: added to a normal of length 1.
     pub fn bump(&self, p: Vector, footprint: f64, seed: u64) -> Vector {
-        let along = |salt: u64| fractal(p, 2.0 * self.grain_size, 2, 0.7, footprint, seed ^ salt);
+        let along = |salt: u64| fractal(p, self.grain_size, 1, 1.0, footprint, seed ^ salt);
         vector(along(0x7831), along(0x7932), along(0x7a33)) * (3.0 * self.relief)
     }
 

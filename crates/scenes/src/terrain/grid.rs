@@ -20,6 +20,8 @@ pub(super) struct Grid {
     pub y0: f64,
     /// Side of a cell in metres.
     pub cell: f64,
+    /// 1 / cell.
+    per_metre: f64,
     /// Cells along each side, a multiple of [`BLOCK`].
     pub count: usize,
     /// `count + 1` heights in each of `count + 1` rows.
@@ -57,7 +59,7 @@ impl Grid {
             }
         }
         let top = tops.iter().fold(f64::NEG_INFINITY, |top, &h| greatest(top, h));
-        Self { x0, y0, cell, count, heights, tops, top }
+        Self { x0, y0, cell, per_metre: 1.0 / cell, count, heights, tops, top }
     }
 
     pub fn side(&self) -> f64 {
@@ -73,7 +75,7 @@ impl Grid {
     /// The cell under a point (the nearest one outside), and where in it the point is, 0 to 1.
     fn locate(&self, x: f64, y: f64) -> (usize, usize, f64, f64) {
         let part = |v: f64, start: f64| {
-            let along = ((v - start) / self.cell).clamp(0.0, self.count as f64);
+            let along = ((v - start) * self.per_metre).clamp(0.0, self.count as f64);
             let whole = (along as usize).min(self.count - 1);
             (whole, along - whole as f64)
         };
@@ -114,19 +116,12 @@ impl Grid {
     }
 
     /// Where the ray is over the grid, cut to `after..before`.
-    pub fn span(&self, ray: &Ray, after: f64, before: f64) -> Option<(f64, f64)> {
+    pub fn span(&self, ray: &GroundRay, after: f64, before: f64) -> Option<(f64, f64)> {
         let side = self.side();
         let (mut enter, mut leave) = (after, before);
-        for (o, d, low) in
-            [(ray.origin.x, ray.direction.x, self.x0), (ray.origin.y, ray.direction.y, self.y0)]
+        for (o, r, low) in [(ray.x, ray.reciprocal_x, self.x0), (ray.y, ray.reciprocal_y, self.y0)]
         {
-            if d.abs() < 1e-150 {
-                if o < low || o > low + side {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((low - o) / d, (low + side - o) / d);
+            let (a, b) = ((low - o) * r, (low + side - o) * r);
             enter = greatest(enter, least(a, b));
             leave = least(leave, greatest(a, b));
         }
@@ -134,101 +129,181 @@ impl Grid {
     }
 
     /// The first meeting between `after` and `before`, which must lie over the grid.
-    pub fn meets(&self, ray: &Ray, after: f64, before: f64) -> Option<f64> {
+    pub fn meets(&self, ray: &GroundRay, after: f64, before: f64) -> Option<f64> {
         let (mut after, mut before) = (after, before);
         // Nothing is met above the highest point.
-        let climb = ray.direction.z;
-        let at_top = (self.top - ray.origin.z) / climb;
-        if climb > 0.0 {
+        let at_top = (self.top - ray.height) * ray.reciprocal_climb;
+        if ray.climb > 0.0 {
             before = least(before, at_top);
-        } else if climb < 0.0 {
+        } else {
             after = greatest(after, at_top);
-        } else if ray.origin.z > self.top {
+        }
+        if after >= before {
             return None;
         }
-        let dips_below = |top: f64, from: f64, to: f64| {
-            ray.origin.z + climb * if climb < 0.0 { to } else { from } <= top
+        let side = |start: f64, speed: f64, reciprocal: f64| Axis {
+            start: start * self.per_metre,
+            speed: speed * self.per_metre,
+            reciprocal: reciprocal * self.cell,
+        };
+        let track = Track {
+            x: side(ray.x - self.x0, ray.speed_x, ray.reciprocal_x),
+            y: side(ray.y - self.y0, ray.speed_y, ray.reciprocal_y),
+            height: ray.height,
+            climb: ray.climb,
         };
         let blocks = self.count / BLOCK;
-        let block = self.cell * BLOCK as f64;
-        self.pass(ray, block, (0, 0), blocks, (after, before), |bi, bj, from, to| {
-            if !dips_below(self.tops[bj * blocks + bi], from, to) {
+        track.pass(BLOCK, (0, 0), blocks, (after, before), |bi, bj, from, to| {
+            if track.lowest(from, to) > self.tops[bj * blocks + bi] {
                 return None;
             }
             let corner = (bi * BLOCK, bj * BLOCK);
-            self.pass(ray, self.cell, corner, BLOCK, (from, to), |i, j, from, to| {
-                self.patch(ray, i, j, from, to)
+            track.pass(1, corner, BLOCK, (from, to), |i, j, from, to| {
+                let row = &self.heights[j * (self.count + 1) + i..];
+                let next = &row[self.count + 1..];
+                track.patch((i, j), [row[0], row[1], next[0], next[1]], from, to)
             })
         })
     }
+}
 
-    /// Visits the squares of side `size` under the ray, in its order, among the `count` by `count`
-    /// that begin at `corner`, until one answers. The ray is over them within `span`.
+/// A ray made ready for several grids: numbers that would otherwise be divided by again and again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GroundRay {
+    x: f64,
+    y: f64,
+    height: f64,
+    speed_x: f64,
+    speed_y: f64,
+    climb: f64,
+    reciprocal_x: f64,
+    reciprocal_y: f64,
+    reciprocal_climb: f64,
+}
+
+impl From<&Ray> for GroundRay {
+    #[inline]
+    fn from(ray: &Ray) -> Self {
+        // A speed too small to matter instead of 0, so that no product is 0 times infinity.
+        let speed = |v: f64| if v.abs() < 1e-100 { 1e-100 } else { v };
+        let (speed_x, speed_y) = (speed(ray.direction.x), speed(ray.direction.y));
+        let climb = speed(ray.direction.z);
+        Self {
+            x: ray.origin.x,
+            y: ray.origin.y,
+            height: ray.origin.z,
+            speed_x,
+            speed_y,
+            climb,
+            reciprocal_x: 1.0 / speed_x,
+            reciprocal_y: 1.0 / speed_y,
+            reciprocal_climb: 1.0 / climb,
+        }
+    }
+}
+
+/// A ray's way along one side of a grid, in cells.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    start: f64,
+    speed: f64,
+    /// 1 / speed.
+    reciprocal: f64,
+}
+
+impl Axis {
+    #[inline]
+    fn at(&self, t: f64) -> f64 {
+        self.start + self.speed * t
+    }
+
+    /// When the ray leaves the square with this number.
+    #[inline]
+    fn leaves(&self, number: usize, size: usize) -> f64 {
+        let line = (number + usize::from(self.speed > 0.0)) * size;
+        (line as f64 - self.start) * self.reciprocal
+    }
+
+    /// The square after this one, among those from `low` to before `end`.
+    #[inline]
+    fn next(&self, number: usize, low: usize, end: usize) -> Option<usize> {
+        if self.speed > 0.0 {
+            (number + 1 < end).then_some(number + 1)
+        } else {
+            (number > low).then(|| number - 1)
+        }
+    }
+}
+
+/// A ray over a grid: sideways in cells, height in metres.
+#[derive(Debug, Clone, Copy)]
+struct Track {
+    x: Axis,
+    y: Axis,
+    height: f64,
+    climb: f64,
+}
+
+impl Track {
+    /// The ray's lowest point between `from` and `to`.
+    #[inline]
+    fn lowest(&self, from: f64, to: f64) -> f64 {
+        self.height + self.climb * if self.climb < 0.0 { to } else { from }
+    }
+
+    /// Visits the squares of `size` cells under the ray, in its order, among the `count` by
+    /// `count` that begin at the square `first`, until one answers. The ray is over them within
+    /// `span`.
     #[inline]
     fn pass(
         &self,
-        ray: &Ray,
-        size: f64,
-        corner: (usize, usize),
+        size: usize,
+        first: (usize, usize),
         count: usize,
         span: (f64, f64),
         visit: impl Fn(usize, usize, f64, f64) -> Option<f64>,
     ) -> Option<f64> {
         let (mut from, last) = span;
-        let start = ray.at(from);
-        let (end_i, end_j) = (corner.0 + count, corner.1 + count);
+        let (end_i, end_j) = (first.0 + count, first.1 + count);
         // Rounding may put the start just outside: the nearest square is meant.
-        let first = |v: f64, origin: f64, low: usize, end: usize| {
-            (((v - origin) / size) as usize).clamp(low, end - 1)
-        };
-        let mut i = first(start.x, self.x0, corner.0, end_i);
-        let mut j = first(start.y, self.y0, corner.1, end_j);
-        let edge = |number: usize, forward: bool, origin: f64, o: f64, d: f64| {
-            let line = origin + size * (number + usize::from(forward)) as f64;
-            if d.abs() < 1e-150 { f64::INFINITY } else { (line - o) / d }
-        };
-        let (right, ahead) = (ray.direction.x > 0.0, ray.direction.y > 0.0);
+        let mut i = (self.x.at(from) as usize / size).clamp(first.0, end_i - 1);
+        let mut j = (self.y.at(from) as usize / size).clamp(first.1, end_j - 1);
         while from < last {
-            let to_x = edge(i, right, self.x0, ray.origin.x, ray.direction.x);
-            let to_y = edge(j, ahead, self.y0, ray.origin.y, ray.direction.y);
+            let (to_x, to_y) = (self.x.leaves(i, size), self.y.leaves(j, size));
             let to = greatest(least(least(to_x, to_y), last), from);
             if let Some(t) = visit(i, j, from, to) {
                 return Some(t);
             }
-            let (number, end, forward, low) = if to_x < to_y {
-                (&mut i, end_i, right, corner.0)
+            if to_x < to_y {
+                i = self.x.next(i, first.0, end_i)?;
             } else {
-                (&mut j, end_j, ahead, corner.1)
-            };
-            if forward && *number + 1 < end {
-                *number += 1;
-            } else if !forward && *number > low {
-                *number -= 1;
-            } else {
-                return None;
+                j = self.y.next(j, first.1, end_j)?;
             }
             from = to;
         }
         None
     }
 
-    /// Where the ray meets the bilinear patch of a cell between `from` and `to`.
-    fn patch(&self, ray: &Ray, i: usize, j: usize, from: f64, to: f64) -> Option<f64> {
-        let (a, b) = (self.at(i, j), self.at(i + 1, j));
-        let (c, d) = (self.at(i, j + 1), self.at(i + 1, j + 1));
-        let (start, end) =
-            (ray.origin.z + ray.direction.z * from, ray.origin.z + ray.direction.z * to);
-        if least(start, end) > greatest(greatest(a, b), greatest(c, d)) {
+    /// Where the ray meets the bilinear patch of the cell `(i, j)` between `from` and `to`; `a` and
+    /// `b` are its heights at the near side, `c` and `d` those one row on.
+    #[inline]
+    fn patch(
+        &self,
+        (i, j): (usize, usize),
+        [a, b, c, d]: [f64; 4],
+        from: f64,
+        to: f64,
+    ) -> Option<f64> {
+        if self.lowest(from, to) > greatest(greatest(a, b), greatest(c, d)) {
             return None;
         }
         // With s = t - from: u = u0 + du s, v = v0 + dv s, and z - h(u, v) is a quadratic in s.
-        let p = ray.at(from);
-        let u0 = (p.x - self.x0) / self.cell - i as f64;
-        let v0 = (p.y - self.y0) / self.cell - j as f64;
-        let (du, dv) = (ray.direction.x / self.cell, ray.direction.y / self.cell);
+        let (u0, v0) = (self.x.at(from) - i as f64, self.y.at(from) - j as f64);
+        let (du, dv) = (self.x.speed, self.y.speed);
         let (along_u, along_v, twist) = (b - a, c - a, a - b - c + d);
-        let constant = p.z - (a + along_u * u0 + along_v * v0 + twist * u0 * v0);
-        let linear = ray.direction.z - (along_u * du + along_v * dv + twist * (u0 * dv + v0 * du));
+        let z = self.height + self.climb * from;
+        let constant = z - (a + along_u * u0 + along_v * v0 + twist * u0 * v0);
+        let linear = self.climb - (along_u * du + along_v * dv + twist * (u0 * dv + v0 * du));
         let square = -twist * du * dv;
         let (first, second) = roots(square, 0.5 * linear, constant)?;
         // A root on the border of two cells must not be lost to rounding by both.

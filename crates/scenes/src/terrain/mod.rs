@@ -8,7 +8,7 @@
 
 mod grid;
 
-use grid::Grid;
+use grid::{Grid, GroundRay};
 
 use crate::geometry::{Ray, Surface};
 use crate::number::{least, smoothstep};
@@ -85,13 +85,13 @@ impl Terrain {
 
     /// The first meeting with `after < t < before`.
     pub fn meets(&self, ray: &Ray, after: f64, before: f64) -> Option<f64> {
-        self.meets_level(self.levels.len() - 1, ray, after, before)
+        self.meets_level(self.levels.len() - 1, &ray.into(), after, before)
             .filter(|&t| t > after && t < before)
     }
 
     /// Over the square of one level: first the part before the finer level's square, then that
     /// square, then the part behind it.
-    fn meets_level(&self, level: usize, ray: &Ray, after: f64, before: f64) -> Option<f64> {
+    fn meets_level(&self, level: usize, ray: &GroundRay, after: f64, before: f64) -> Option<f64> {
         let grid = &self.levels[level];
         let (after, before) = grid.span(ray, after, before)?;
         let finer = level.checked_sub(1);

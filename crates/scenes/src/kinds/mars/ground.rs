@@ -30,11 +30,11 @@ pub(super) fn terrain(builder: &mut Builder) -> Terrain {
     let wind = builder.random.between(-0.5, 0.5);
     let soil = Material::patterned(
         Pattern::Regolith { size: 3.0 },
-        vector(0.16, 0.075, 0.038),
-        vector(0.46, 0.245, 0.125),
+        vector(0.12, 0.055, 0.028),
+        vector(0.5, 0.27, 0.14),
     )
-    .with_grain(0.1, 0.02)
-    .with_relief(0.14);
+    .with_grain(0.0, 0.03)
+    .with_relief(0.16);
     Terrain::new(LEVELS, FINEST, soil, move |level, cell, x, y| {
         let p = vector(x, y, 0.0);
         let distance = (x * x + y * y).sqrt();
@@ -49,13 +49,13 @@ pub(super) fn terrain(builder: &mut Builder) -> Terrain {
         // Two octaves per level, a twentieth as high as they are wide.
         let size = 8.0 * cell;
         let level_out = smoothstep(0.0, 30.0 * size, distance + 6.0 * size);
-        let mut height = 0.09 * rough * size * level_out * fractal(p, size, 2, 0.5, 1e-9, seed);
+        let mut height = 0.15 * rough * size * level_out * fractal(p, size, 2, 0.5, 1e-9, seed);
         // Sand lies in some places, in ripples of two sizes, one on each of the finest levels.
         let here = gradient(p * (1.0 / 7.0), seed ^ 0x7361_6e64);
         let sandy = smoothstep(-0.05, 0.2, here + sand);
         let wave = match level {
-            0 => Some((0.16, 0.011)),
-            1 => Some((1.1, 0.07)),
+            0 => Some((0.2, 0.022)),
+            1 => Some((1.3, 0.12)),
             _ => None,
         };
         if let (Some((length, high)), true) = (wave, sandy > 0.0) {
@@ -77,7 +77,7 @@ pub(super) fn rocks(builder: &mut Builder, ground: &Terrain) {
         let across = random.between(-1.0, 1.0) * (0.75 * ahead + 0.5);
         // Three pixels of a 450-pixel image, and up to thirty times as much.
         let smallest = 3.0 / 382.0 * ahead;
-        let size = smallest * power(greatest(random.unit(), 1e-3), -0.55);
+        let size = smallest * power(greatest(random.unit(), 1e-3), -0.65);
         let size = if size > 1.1 { 1.1 * random.between(0.5, 1.0) } else { size };
         let half = 0.5 * size;
         let radii = vector(half, half * random.between(0.6, 1.0), half * random.between(0.4, 0.85));
