@@ -63,13 +63,25 @@ impl Finding {
     }
 }
 
+/// Looks at one part of the machine.
+type Look = fn() -> Vec<Finding>;
+
 /// Looks at everything, then prints it.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let looks: [(&str, Look); 4] = [
+        ("this machine", system::look),
+        ("data sets", || vec![system::data()]),
+        ("Python", python::look),
+        ("matching a pair whose answer is known", self_match::run),
+    ];
     let mut findings = vec![Finding::ok("version", env!("CARGO_PKG_VERSION"))];
-    findings.extend([system::vector_instructions(), system::cores(), system::memory()]);
-    findings.extend([system::sandbox(), system::data()]);
-    findings.extend(python::look());
-    findings.extend(self_match::run());
+    let progress = ui.progress(looks.len() as u64);
+    for (what, look) in looks {
+        progress.set_message(what);
+        findings.extend(look());
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
     if args.json {
         ui.print(&(serde_json::to_string_pretty(&findings)? + "\n"))?;
     } else {

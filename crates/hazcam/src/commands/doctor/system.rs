@@ -8,8 +8,13 @@ use matching::Level;
 
 use super::Finding;
 
+/// Processor, memory and sandbox.
+pub fn look() -> Vec<Finding> {
+    vec![vector_instructions(), cores(), memory(), sandbox()]
+}
+
 /// The vector instructions that kernels will use, out of those that there are.
-pub fn vector_instructions() -> Finding {
+fn vector_instructions() -> Finding {
     const TOPIC: &str = "vector instructions";
     let available: Vec<_> = Level::available().iter().map(|level| level.name()).collect();
     match Level::chosen() {
@@ -19,7 +24,7 @@ pub fn vector_instructions() -> Finding {
 }
 
 /// How many threads run at the same time.
-pub fn cores() -> Finding {
+fn cores() -> Finding {
     match thread::available_parallelism() {
         Ok(count) => Finding::ok("cores", count.to_string()),
         Err(error) => Finding::absent("cores", format!("the system does not say: {error}")),
@@ -27,7 +32,7 @@ pub fn cores() -> Finding {
 }
 
 /// The memory of the machine, and what is free of it.
-pub fn memory() -> Finding {
+fn memory() -> Finding {
     let gib = |kib: u64| kib as f64 / f64::from(1 << 20);
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     match (kibibytes(&text, "MemTotal"), kibibytes(&text, "MemAvailable")) {
@@ -45,7 +50,7 @@ fn kibibytes(meminfo: &str, name: &str) -> Option<u64> {
 }
 
 /// Whether programs can be confined.
-pub fn sandbox() -> Finding {
+fn sandbox() -> Finding {
     let missing = arena::sandbox::missing_parts();
     match missing.is_empty() {
         true => Finding::ok("sandbox", "Landlock and seccomp"),
