@@ -2,4 +2,9 @@
 
 pub mod dataset;
 pub mod engine;
+pub mod grade;
+pub mod record;
+pub mod report;
+pub mod run;
 pub mod sandbox;
+pub mod submission;

@@ -1,0 +1,119 @@
+"""What can be seen in a submission without running its matchers.
+
+A finding says in which file and line something is, in words, and whether it is fatal: whether the
+tests of that module need not be run. Whether the files exist is checked before Python is started.
+"""
+
+import ast
+import os
+
+from hazcam_runner import explaining, loading, older
+
+MODULES = ("stereo_disparity_fast", "stereo_disparity_best")
+IDENTIFIER = "secret_id"
+SHORTEST, LONGEST = 4, 32
+
+
+def inspect(folder):
+    """(secret ID or None, findings)."""
+    findings = []
+    for name in MODULES:
+        path = os.path.join(folder, name + ".py")
+        if os.path.exists(path):
+            findings += [_finding(name, *each) for each in _look(path, name)]
+    identifier = None
+    if os.path.exists(os.path.join(folder, IDENTIFIER + ".py")):
+        identifier, text = _identify(folder)
+        if text:
+            findings.append(_finding(IDENTIFIER, None, text, False))
+    return identifier, findings
+
+
+def _finding(name, line, text, fatal):
+    return {"file": name + ".py", "line": line, "text": text, "fatal": fatal}
+
+
+def _look(path, name):
+    """(line, text, fatal) for what is wrong in one module."""
+    with open(path, "rb") as file:
+        source = file.read()
+    try:
+        tree = ast.parse(source, path)
+        compile(source, path, "exec", dont_inherit=True)
+    except SyntaxError as error:
+        yield (*explaining.syntax_parts(error), True)
+        return
+    except ValueError as error:
+        yield None, "it is no Python source: {}".format(error), True
+        return
+    yield from _signature(tree, name)
+    yield from _older_names(tree)
+
+
+def _signature(tree, name):
+    found = [each for each in tree.body if isinstance(each, ast.FunctionDef) and each.name == name]
+    if not found:
+        if not _may_come_from_elsewhere(tree, name):
+            others = [each.name for each in tree.body if isinstance(each, ast.FunctionDef)]
+            also = " (it defines {})".format(", ".join(others[:5])) if others else ""
+            text = "there is no function {}(Il, Ir, bbox, maxd){}".format(name, also)
+            yield None, text, True
+        return
+    function = found[-1]
+    arguments = function.args
+    count = len(getattr(arguments, "posonlyargs", [])) + len(arguments.args)
+    least = count - len(arguments.defaults)
+    needed = [d for d in arguments.kw_defaults if d is None]
+    if least > 4 or (count < 4 and arguments.vararg is None) or needed:
+        text = (
+            "{} takes {} arguments, but it is called with four: Il, Ir, bbox, maxd".format(
+                name, count
+            )
+        )
+        yield function.lineno, text, True
+
+
+def _may_come_from_elsewhere(tree, name):
+    """Whether the name is imported, assigned, or may come with `import *`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            if any((each.asname or each.name) in (name, "*") for each in node.names):
+                return True
+        if isinstance(node, ast.Name) and node.id == name and isinstance(node.ctx, ast.Store):
+            return True
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name == name:
+            return True
+    return False
+
+
+def _older_names(tree):
+    gone = older.gone()
+    seen = set()
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
+            continue
+        if node.value.id in ("np", "numpy") and node.attr in gone and node.attr not in seen:
+            seen.add(node.attr)
+            text = "{0}.{1} is gone from numpy; it is run as {2}, which you should write".format(
+                node.value.id, node.attr, gone[node.attr]
+            )
+            yield node.lineno, text, False
+
+
+def _identify(folder):
+    """(secret ID, None), or (None, what is wrong)."""
+    older.restore()
+    try:
+        identifier = loading.function(folder, IDENTIFIER)()
+    except BaseException as error:
+        return None, explaining.explain(error, folder)[1]
+    if not isinstance(identifier, str):
+        return None, "secret_id() returned a {}, but a string is needed".format(
+            type(identifier).__name__
+        )
+    if not SHORTEST <= len(identifier) <= LONGEST or not identifier.isprintable():
+        return None, (
+            "secret_id() returned {!r} ({} characters), but {} to {} printable characters are "
+            "needed".format(identifier[:40], len(identifier), SHORTEST, LONGEST)
+        )
+    return identifier, None

@@ -1,0 +1,38 @@
+"""Importing the submission's modules."""
+
+import importlib
+import os
+import sys
+
+from hazcam_runner import older
+
+
+class Unusable(Exception):
+    """The submission lacks what is needed; the text says what."""
+
+
+def function(folder, name):
+    """The function `name` of the module `name` in the submission's folder."""
+    module = load(folder, name)
+    found = getattr(module, name, None)
+    if found is None:
+        others = [each for each in vars(module) if each.startswith("stereo")]
+        also = "; it has {}".format(", ".join(others)) if others else ""
+        raise Unusable("{0}.py has no function {0}{1}".format(name, also))
+    if not callable(found):
+        raise Unusable("{0} in {0}.py is a {1} and no function".format(name, type(found).__name__))
+    return found
+
+
+def load(folder, name):
+    """Imports the module `name` from the submission's folder."""
+    os.chdir(folder)
+    if sys.path[0] != folder:
+        sys.path[0] = folder
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        missing = (error.name or "").split(".")[0]
+        if missing in older.REQUIRED:
+            raise older.Missing(missing) from error
+        raise

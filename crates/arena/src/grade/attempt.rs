@@ -1,0 +1,240 @@
+//! One run of one test, from empty folders to scores or the reason why there are none.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
+
+use raster::{DisparityRange, Plane};
+
+use super::answer::{self, Scores};
+use super::confined::{Confinement, Ended, Workplace};
+use super::entrant::Entrant;
+use super::outcome::Outcome;
+use super::scene::Scene;
+use super::scheme::Test;
+use super::verdict::{Failure, judge};
+use crate::engine::protocol::Job;
+use crate::engine::{self, Definition, Kind, Pair, Programs, Usage, exchange};
+use crate::submission::{self, Part, Runner, Submission};
+
+/// What came of one run.
+pub(super) struct Attempt {
+    pub result: Result<(Plane<f32>, Scores), Failure>,
+    pub usage: Usage,
+    pub startup: Usage,
+    /// What was said besides messages.
+    pub log: String,
+}
+
+impl Attempt {
+    fn failed(failure: Failure) -> Self {
+        let (usage, startup) = (Usage::default(), Usage::default());
+        Self { result: Err(failure), usage, startup, log: String::new() }
+    }
+
+    /// A run that ended by the grader's fault.
+    fn broken(message: impl Into<String>) -> Self {
+        Self::failed(Failure::new(Outcome::Xx, message))
+    }
+}
+
+/// What runs belong to.
+pub(super) struct Bench<'a> {
+    pub confinement: &'a Confinement,
+    pub programs: &'a Programs,
+    /// Runs submissions; in words, why there is none.
+    pub runner: Result<&'a Runner, &'a str>,
+}
+
+impl Bench<'_> {
+    /// Runs a test once.
+    pub fn attempt(&self, entrant: &Entrant, test: &Test, scene: &Scene) -> Attempt {
+        let place = match Workplace::new() {
+            Ok(place) => place,
+            Err(error) => return Attempt::broken(format!("no folder to work in: {error}")),
+        };
+        let (command, readable, kind) = match self.command(entrant, test.part, &place) {
+            Ok(found) => found,
+            Err(failure) => return Attempt::failed(failure),
+        };
+        let cpu = Duration::from_secs_f64(test.cpu_seconds);
+        if let Err(message) = self.check_reach(&readable, &place, cpu, scene) {
+            return Attempt::broken(message);
+        }
+        let range = match i32::try_from(test.max_disparity).map(|max| DisparityRange::new(0, max)) {
+            Ok(Ok(range)) => range,
+            _ => return Attempt::broken(format!("no range ends at {}", test.max_disparity)),
+        };
+        let (left, right, bounds) = (&scene.left, &scene.right, scene.bounds);
+        let pair = Pair { left, right, bounds, range };
+        match kind {
+            Kind::Protocol => self.run_protocol(command, &readable, &place, cpu, &pair, scene),
+            Kind::RobustVision => {
+                self.run_robust_vision(command, &readable, &place, cpu, &pair, scene)
+            }
+        }
+    }
+
+    /// The process to start, what it must be able to read, and how it is spoken to.
+    fn command(
+        &self,
+        entrant: &Entrant,
+        part: Part,
+        place: &Workplace,
+    ) -> Result<(Command, Vec<PathBuf>, Kind), Failure> {
+        let broken = |message: String| Failure::new(Outcome::Xx, message);
+        match entrant {
+            Entrant::Refused(message) => Err(Failure::new(Outcome::Re, message)),
+            Entrant::Submission(submission) => {
+                let runner = self.runner.map_err(|why| broken(why.to_owned()))?;
+                submission.copy_to(&place.home()).map_err(|error| broken(error.to_string()))?;
+                let command = submission::engine(runner, &place.home(), part);
+                Ok((command, runner.readable(), Kind::Protocol))
+            }
+            Entrant::Engines(engines) => {
+                let definition = engines.get(&part).ok_or_else(|| {
+                    Failure::new(Outcome::Re, format!("there is no engine for `{}`", part.name()))
+                })?;
+                let command = engine::command(definition, self.programs, &place.home(), 1)
+                    .map_err(|status| broken(status.message().unwrap_or_default().to_owned()))?;
+                let readable = self.readable_by(definition, &command)?;
+                Ok((command, readable, definition.kind))
+            }
+        }
+    }
+
+    /// A program reads itself and the folder of its definition; a Python program reads Python.
+    fn readable_by(
+        &self,
+        definition: &Definition,
+        command: &Command,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let mut readable: Vec<PathBuf> = definition.folder.iter().cloned().collect();
+        let program = PathBuf::from(command.get_program());
+        if program.is_absolute() && program.exists() {
+            readable.push(program);
+        }
+        if definition.command.iter().any(|word| word.contains("{python}")) {
+            let runner = self.runner.map_err(|why| Failure::new(Outcome::Xx, why))?;
+            readable.extend_from_slice(runner.python().paths());
+        }
+        Ok(readable)
+    }
+
+    /// Errors when a confined program could read the truth.
+    fn check_reach(
+        &self,
+        readable: &[PathBuf],
+        place: &Workplace,
+        cpu: Duration,
+        scene: &Scene,
+    ) -> Result<(), String> {
+        let (Some(_), Some(truth)) = (&self.confinement.helper, &scene.truth_file) else {
+            return Ok(());
+        };
+        match self.confinement.policy(readable, place, cpu).within_reach(truth) {
+            None => Ok(()),
+            Some(within) => Err(format!(
+                "the truth {} lies within {}, which entrants can read: keep data in a folder of \
+                 its own",
+                truth.display(),
+                within.display()
+            )),
+        }
+    }
+
+    fn run_protocol(
+        &self,
+        command: Command,
+        readable: &[PathBuf],
+        place: &Workplace,
+        cpu: Duration,
+        pair: &Pair<'_>,
+        scene: &Scene,
+    ) -> Attempt {
+        let job = match exchange::write_job(&place.job(), 1, pair, 1) {
+            Ok(job) => job,
+            Err(error) => return Attempt::broken(error.to_string()),
+        };
+        let ended = match self.confinement.start(command, readable, place, cpu) {
+            Ok(confined) => confined.finish(&job),
+            Err(ended) => ended,
+        };
+        let judged = judge(&ended, self.confinement.allowance.start);
+        let max = pair.range.max().unsigned_abs();
+        let result = judged.and_then(|()| answer::read(&job, scene, max));
+        let Ended { usage, startup, log, .. } = ended;
+        Attempt { result, usage, startup, log }
+    }
+
+    fn run_robust_vision(
+        &self,
+        command: Command,
+        readable: &[PathBuf],
+        place: &Workplace,
+        cpu: Duration,
+        pair: &Pair<'_>,
+        scene: &Scene,
+    ) -> Attempt {
+        let watch = self.confinement.watch(place);
+        let command = self.confinement.prepare(command, readable, place, cpu);
+        let limits = self.confinement.limits(cpu);
+        let finished = engine::robust_vision::run(command, &place.home(), pair, limits);
+        let ended = Ended {
+            status: finished.status,
+            usage: finished.usage,
+            startup: Usage::default(),
+            log: finished.log,
+            excess: watch.stop(),
+        };
+        let max = pair.range.max().unsigned_abs();
+        let result = judge(&ended, limits.start).and_then(|()| match finished.answer {
+            Some(answer) => answer::score(answer.disparity, scene, max),
+            None => Err(Failure::new(Outcome::Bad, "it left no answer")),
+        });
+        let Ended { usage, startup, log, .. } = ended;
+        Attempt { result, usage, startup, log }
+    }
+
+    /// What can be seen in a submission without running its matchers.
+    pub fn inspect(&self, submission: &Submission) -> submission::Inspection {
+        let runner = match self.runner {
+            Ok(runner) => runner,
+            Err(_) => return submission::Inspection::default(),
+        };
+        let prepared = Workplace::new().map_err(|error| error.to_string()).and_then(|place| {
+            submission.copy_to(&place.home()).map_err(|error| error.to_string())?;
+            Ok(place)
+        });
+        let Ok(place) = prepared else { return submission::Inspection::default() };
+        let command = submission::inspector(runner, &place.home());
+        let cpu = Duration::from_secs(10);
+        match self.confinement.start(command, &runner.readable(), &place, cpu) {
+            Ok(confined) => {
+                let secret_id = confined.name().map(str::to_owned);
+                let ended = confined.finish(&question(&place));
+                submission::Inspection::told(secret_id, &ended.status)
+            }
+            Err(ended) => submission::Inspection::told(None, &ended.status),
+        }
+    }
+}
+
+/// The job by which the runner is asked for its findings; it carries no images.
+fn question(place: &Workplace) -> Job {
+    let nowhere = place.job().join("none");
+    Job {
+        job: 1,
+        left: nowhere.clone(),
+        right: nowhere.clone(),
+        columns: 0,
+        rows: 0,
+        bounds: [0; 4],
+        min_disparity: 0,
+        max_disparity: 0,
+        threads: 1,
+        disparity: nowhere.clone(),
+        reasons: nowhere.clone(),
+        confidence: nowhere,
+    }
+}

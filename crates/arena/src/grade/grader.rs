@@ -1,0 +1,230 @@
+//! Runs every test of a scheme for one entrant, whatever happens.
+
+use raster::{BoundingBox, Plane};
+
+use super::attempt::{Attempt, Bench};
+use super::calibration::{self, Calibration};
+use super::confined::Confinement;
+use super::entrant::Entrant;
+use super::outcome::Outcome;
+use super::report::{PROTOCOL, Report, TestResult};
+use super::scene::{Scene, Scenes};
+use super::scheme::{Scheme, Test};
+use super::verdict::Failure;
+use crate::engine::Programs;
+use crate::submission::{Finding, Inspection, Runner};
+
+/// What is told while a grading goes on.
+#[derive(Debug)]
+pub enum Event<'a> {
+    /// The submission has been looked at.
+    Inspected(&'a [Finding]),
+    /// A test begins.
+    Begins(&'a Test),
+    /// A test has ended.
+    Ended(&'a TestResult),
+}
+
+/// Grades entrants by one scheme.
+pub struct Grader<'a> {
+    /// The tests.
+    pub scheme: &'a Scheme,
+    /// Their scenes.
+    pub scenes: &'a Scenes,
+    /// How entrants are run.
+    pub confinement: Confinement,
+    /// What definitions of engines refer to.
+    pub programs: Programs,
+    /// Runs submissions; in words, why there is none.
+    pub runner: Result<Runner, String>,
+    /// Whether every test is run twice, to see whether both answers agree.
+    pub twice: bool,
+}
+
+impl Grader<'_> {
+    /// Runs all tests for `entrant`, which is called `name` in the report.
+    pub fn grade(
+        &self,
+        name: &str,
+        entrant: &Entrant,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) -> Report {
+        let bench = self.bench();
+        let inspection = inspect(&bench, entrant);
+        observe(Event::Inspected(&inspection.findings));
+        let before_seconds = calibration::measure();
+        let mut tests = Vec::new();
+        for test in &self.scheme.tests {
+            observe(Event::Begins(test));
+            let result = self.test(&bench, entrant, &inspection.findings, test);
+            observe(Event::Ended(&result));
+            tests.push(result);
+        }
+        let calibration = Calibration { before_seconds, after_seconds: calibration::measure() };
+        Report {
+            hazcam: env!("CARGO_PKG_VERSION").to_owned(),
+            scheme: self.scheme.name.clone(),
+            entrant: name.to_owned(),
+            secret_id: inspection.secret_id,
+            findings: inspection.findings,
+            points: tests.iter().map(|test| test.points).sum(),
+            max_points: self.scheme.points(),
+            tests,
+            protocol: PROTOCOL.to_owned(),
+            confinement: if self.confinement.helper.is_some() { "sandbox" } else { "none" }.into(),
+            python: match (entrant, &self.runner) {
+                (Entrant::Submission(_), Ok(runner)) => Some(runner.python().version.clone()),
+                _ => None,
+            },
+            calibration,
+        }
+    }
+
+    /// Runs one more test, such as a hold-out, that is not part of the scheme.
+    pub fn extra(&self, entrant: &Entrant, test: &Test, scene: &Scene) -> TestResult {
+        let bench = self.bench();
+        self.judge(test, scene, bench.attempt(entrant, test, scene), None)
+    }
+
+    fn bench(&self) -> Bench<'_> {
+        Bench {
+            confinement: &self.confinement,
+            programs: &self.programs,
+            runner: self.runner.as_ref().map_err(String::as_str),
+        }
+    }
+
+    fn test(
+        &self,
+        bench: &Bench<'_>,
+        entrant: &Entrant,
+        findings: &[Finding],
+        test: &Test,
+    ) -> TestResult {
+        let scene = match self.scenes.get(&test.scene) {
+            Some(Ok(scene)) => scene,
+            Some(Err(problem)) => return unanswered(test, Failure::new(Outcome::Xx, problem)),
+            None => {
+                let problem = format!("scene {} was not loaded", test.scene);
+                return unanswered(test, Failure::new(Outcome::Xx, problem));
+            }
+        };
+        let file = format!("{}.py", test.part.function());
+        if let Some(fatal) = findings.iter().find(|found| found.fatal && found.file == file) {
+            return unanswered(test, Failure::new(Outcome::Re, fatal.to_string()));
+        }
+        let first = bench.attempt(entrant, test, scene);
+        let second = match self.twice && first.result.is_ok() {
+            true => Some(bench.attempt(entrant, test, scene)),
+            false => None,
+        };
+        self.judge(test, scene, first, second)
+    }
+
+    fn judge(
+        &self,
+        test: &Test,
+        scene: &Scene,
+        attempt: Attempt,
+        second: Option<Attempt>,
+    ) -> TestResult {
+        let mut remarks: Vec<String> = attempt
+            .log
+            .lines()
+            .filter_map(|line| line.strip_prefix("hazcam: ").map(str::to_owned))
+            .collect();
+        let (disparity, scores) = match attempt.result {
+            Ok(answer) => answer,
+            Err(failure) => {
+                let (usage, startup, output) = (attempt.usage, attempt.startup, attempt.log);
+                return TestResult { usage, startup, output, remarks, ..unanswered(test, failure) };
+            }
+        };
+        if scores.clipped > 0 {
+            remarks.push(format!(
+                "{} of the {} pixels in the box were outside 0 to {} and were brought to the \
+                 nearer end",
+                scores.clipped,
+                scene.bounds.columns() * scene.bounds.rows(),
+                test.max_disparity
+            ));
+        }
+        if scores.looks_copied() {
+            remarks.push(format!(
+                "suspicious: {:.0} % of the scored pixels equal the truth to the last bit",
+                scores.identical * 100.0
+            ));
+        }
+        remarks.extend(second.and_then(|second| disagreement(&disparity, second, scene.bounds)));
+        let mut result = TestResult {
+            outcome: Outcome::Ok,
+            message: None,
+            scores: Some(scores),
+            usage: attempt.usage,
+            startup: attempt.startup,
+            remarks,
+            output: attempt.log,
+            disparity: Some(disparity),
+            ..unanswered(test, Failure::new(Outcome::Ok, ""))
+        };
+        if result.passes() {
+            result.points = test.points;
+        }
+        result
+    }
+}
+
+fn inspect(bench: &Bench<'_>, entrant: &Entrant) -> Inspection {
+    match entrant {
+        Entrant::Submission(submission) => {
+            let mut inspection = bench.inspect(submission);
+            let missing = submission.findings().iter().cloned();
+            inspection.findings.splice(0..0, missing);
+            inspection
+        }
+        Entrant::Refused(_) | Entrant::Engines(_) => Inspection::default(),
+    }
+}
+
+/// How the second answer differs from the first; `None` when it does not.
+fn disagreement(first: &Plane<f32>, second: Attempt, bounds: BoundingBox) -> Option<String> {
+    let second = match second.result {
+        Ok((disparity, _)) => disparity,
+        Err(failure) => {
+            return Some(format!(
+                "a second run ended differently, {}: {}",
+                failure.outcome, failure.message
+            ));
+        }
+    };
+    let differs = |(x, y): (usize, usize)| {
+        let (a, b) = (first.row(y)[x], second.row(y)[x]);
+        a != b && !(a.is_nan() && b.is_nan())
+    };
+    let pixels = (bounds.y0..=bounds.y1).flat_map(|y| (bounds.x0..=bounds.x1).map(move |x| (x, y)));
+    match pixels.filter(|&pixel| differs(pixel)).count() {
+        0 => None,
+        count => Some(format!("a second run gave other values in {count} pixels of the box")),
+    }
+}
+
+fn unanswered(test: &Test, failure: Failure) -> TestResult {
+    TestResult {
+        name: test.name.clone(),
+        part: test.part,
+        scene: test.scene.clone(),
+        outcome: failure.outcome,
+        message: Some(failure.message),
+        scores: None,
+        max_e_rms: test.max_e_rms,
+        max_p_bad: test.max_p_bad,
+        cpu_limit_seconds: test.cpu_seconds,
+        points: 0.0,
+        max_points: test.points,
+        usage: Default::default(),
+        startup: Default::default(),
+        remarks: Vec::new(),
+        output: String::new(),
+        disparity: None,
+    }
+}

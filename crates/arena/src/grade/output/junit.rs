@@ -1,0 +1,85 @@
+//! JUnit's XML, for continuous integration: a test case per test; a miss is a failure, the
+//! grader's own fault an error.
+
+use super::super::{Outcome, Report};
+use super::{details, points};
+
+/// The whole file.
+pub fn write(report: &Report) -> String {
+    let tests = &report.tests;
+    let errors = tests.iter().filter(|test| test.outcome == Outcome::Xx).count();
+    let missed = tests.iter().filter(|test| !test.passes()).count() - errors;
+    let time: f64 = tests.iter().map(|test| test.usage.wall_seconds).sum();
+    let mut xml = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"{}\" \
+         tests=\"{}\" failures=\"{missed}\" errors=\"{errors}\" time=\"{time:.3}\">\n",
+        escaped(&report.scheme),
+        tests.len()
+    );
+    for test in tests {
+        xml.push_str(&format!(
+            "    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3}\">\n",
+            escaped(&report.entrant),
+            escaped(&test.name),
+            test.usage.wall_seconds
+        ));
+        let text = escaped(&details(test).join("\n"));
+        let tag = match test.outcome {
+            Outcome::Xx => "error",
+            _ => "failure",
+        };
+        if test.passes() {
+            xml.push_str(&format!("      <system-out>{text}</system-out>\n"));
+        } else {
+            xml.push_str(&format!(
+                "      <{tag} type=\"{}\" message=\"{}: {} of {} points\">{text}</{tag}>\n",
+                test.outcome,
+                test.outcome.meaning(),
+                points(test.points),
+                points(test.max_points)
+            ));
+        }
+        xml.push_str("    </testcase>\n");
+    }
+    xml.push_str("  </testsuite>\n</testsuites>\n");
+    xml
+}
+
+/// Text that XML can hold: markup escaped, and characters that no XML may contain replaced.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\n' | '\t' => out.push(c),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn misses_are_failures_and_markup_is_escaped() {
+        let mut report = super::super::tests::report();
+        let xml = write(&report);
+        assert!(
+            xml.contains("name=\"Three &lt;tests&gt;\" tests=\"3\" failures=\"2\" errors=\"0\"")
+        );
+        assert!(xml.contains("<testcase classname=\"her &amp; his\" name=\"One\" time=\"1.500\">"));
+        assert!(xml.contains("<failure type=\"RE\" message=\"run-time error: 0 of 7 points\">"));
+        assert!(xml.contains("E_RMS 9.50 px is above 8"));
+        report.tests[2].outcome = Outcome::Xx;
+        report.tests[2].message = Some("bell \x07".into());
+        let xml = write(&report);
+        assert!(xml.contains("failures=\"1\" errors=\"1\"") && xml.contains("<error type=\"XX\""));
+        assert!(xml.contains("bell \u{fffd}"));
+    }
+}

@@ -1,0 +1,100 @@
+//! A report in the forms that people and autograders read, one form a file.
+
+pub mod autolab;
+pub mod gradescope;
+pub mod junit;
+pub mod text;
+
+use super::TestResult;
+
+/// What a test says about itself, in lines: numbers or the reason for none, then the remarks.
+fn details(test: &TestResult) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(scores) = &test.scores {
+        lines.push(format!(
+            "E_RMS {:.2} px (at most {}), p_bad {:.4} (at most {}), over {} pixels",
+            scores.e_rms, test.max_e_rms, scores.p_bad, test.max_p_bad, scores.pixels
+        ));
+    }
+    if let Some(shortfall) = test.shortfall() {
+        lines.extend(shortfall.lines().map(str::to_owned));
+    }
+    if test.usage.wall_seconds > 0.0 {
+        lines.push(text::usage(test));
+    }
+    lines.extend(test.remarks.iter().map(|remark| format!("note: {remark}")));
+    lines
+}
+
+/// Points without needless decimals: 6, 47.5.
+fn points(points: f64) -> String {
+    let rounded = (points * 100.0).round() / 100.0;
+    format!("{rounded}")
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::super::{Calibration, Outcome, Report, Scores, TestResult};
+    use crate::engine::Usage;
+    use crate::submission::{Finding, Part};
+
+    /// A report with a pass, a miss and a failure.
+    pub(crate) fn report() -> Report {
+        let test = |name: &str, part, outcome, message: Option<&str>, e_rms, points| TestResult {
+            name: name.into(),
+            part,
+            scene: "wall".into(),
+            outcome,
+            message: message.map(str::to_owned),
+            scores: message.is_none().then(|| Scores {
+                e_rms,
+                p_bad: 0.0833,
+                pixels: 5000,
+                clipped: 3,
+                identical: 0.1,
+                protocol: "course".into(),
+            }),
+            max_e_rms: 8.0,
+            max_p_bad: 0.17,
+            cpu_limit_seconds: 600.0,
+            points,
+            max_points: 7.0,
+            usage: Usage {
+                cpu_seconds: Some(1.25),
+                wall_seconds: 1.5,
+                peak_memory_bytes: Some(120 << 20),
+            },
+            startup: Usage { cpu_seconds: Some(0.2), wall_seconds: 0.3, ..Usage::default() },
+            remarks: Vec::new(),
+            output: String::new(),
+            disparity: None,
+        };
+        let error = "stereo_disparity_best.py, line 3, in stereo_disparity_best\n    1 / 0\n\
+                     ZeroDivisionError: division by zero";
+        let mut clipped = test("One", Part::Fast, Outcome::Ok, None, 3.271, 7.0);
+        clipped.remarks.push("3 of the 9 pixels were clipped".into());
+        Report {
+            hazcam: "0.1.0".into(),
+            scheme: "Three <tests>".into(),
+            entrant: "her & his".into(),
+            secret_id: Some("Jaff Bozos".into()),
+            findings: vec![Finding {
+                file: "stereo_disparity_fast.py".into(),
+                line: Some(7),
+                text: "np.int is gone".into(),
+                fatal: false,
+            }],
+            tests: vec![
+                clipped,
+                test("Two", Part::Fast, Outcome::Ok, None, 9.5, 0.0),
+                test("Three", Part::Best, Outcome::Re, Some(error), 0.0, 0.0),
+            ],
+            points: 7.0,
+            max_points: 21.0,
+            protocol: "As always.".into(),
+            confinement: "sandbox".into(),
+            python: Some("3.11.7".into()),
+            calibration: Calibration { before_seconds: 0.001, after_seconds: 0.001 },
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! For people: a line when a test begins, its result when it has ended, a summary.
+
+use super::super::{Report, Test, TestResult};
+use super::points;
+
+/// Before a test: its name and its limit of CPU time.
+pub fn begins(test: &Test) -> String {
+    format!("{:<24} limit {} CPU s\n", test.name, test.cpu_seconds)
+}
+
+/// After a test: how it ended, both numbers with their thresholds, points, time and memory; then
+/// what the author can act on.
+pub fn ended(test: &TestResult) -> String {
+    let mut text = format!("  {:<4} {:>7} points", test.outcome, share(test));
+    if let Some(scores) = &test.scores {
+        text.push_str(&format!(
+            "   E_RMS {:>6.2} px (at most {})   p_bad {:.4} (at most {})",
+            scores.e_rms, test.max_e_rms, scores.p_bad, test.max_p_bad
+        ));
+    }
+    text.push('\n');
+    if test.usage.wall_seconds > 0.0 {
+        text.push_str(&indented(&usage(test)));
+    }
+    if test.message.is_some() {
+        text.push_str(&indented(&test.shortfall().unwrap_or_default()));
+    }
+    for remark in &test.remarks {
+        text.push_str(&indented(&format!("note: {remark}")));
+    }
+    if test.message.is_some() && !test.output.trim().is_empty() {
+        text.push_str(&indented("what it printed, at the end:"));
+        let lines: Vec<&str> = test.output.trim_end().lines().collect();
+        for line in &lines[lines.len().saturating_sub(5)..] {
+            text.push_str(&indented(&format!("| {}", shortened(line))));
+        }
+    }
+    text
+}
+
+/// After everything: what was noticed in the files, and the points.
+pub fn summary(report: &Report) -> String {
+    let mut text = String::from("\n");
+    if report.calibration.is_noisy() {
+        text.push_str(&format!(
+            "The machine was busy: a fixed piece of work took {:.2} ms before and {:.2} ms after \
+             the tests. Take the times with caution.\n",
+            report.calibration.before_seconds * 1e3,
+            report.calibration.after_seconds * 1e3
+        ));
+    }
+    if report.grader_failed() {
+        text.push_str(
+            "XX: the grader failed, and not the entrant; mend what it says and grade again.\n",
+        );
+    }
+    if let Some(id) = &report.secret_id {
+        text.push_str(&format!("Secret ID: {id}\n"));
+    }
+    text.push_str(&format!("{} of {} points\n", points(report.points), points(report.max_points)));
+    text
+}
+
+/// What was noticed before anything was run.
+pub fn findings(report: &[crate::submission::Finding]) -> String {
+    report.iter().map(|finding| format!("{finding}\n")).collect()
+}
+
+/// CPU time, wall time, peak memory.
+pub(super) fn usage(test: &TestResult) -> String {
+    let cpu = match test.usage.cpu_seconds {
+        Some(seconds) => format!("CPU {} of {} s", time(seconds), test.cpu_limit_seconds),
+        None => "CPU time unknown".into(),
+    };
+    let memory = match test.usage.peak_memory_bytes {
+        Some(bytes) => format!(", peak memory {:.0} MB", bytes as f64 / 1e6),
+        None => String::new(),
+    };
+    let startup = match test.startup.cpu_seconds {
+        Some(seconds) if seconds > 0.0 => format!(", import {} s", time(seconds)),
+        _ => String::new(),
+    };
+    format!("{cpu}, wall {} s{memory}{startup}", time(test.usage.wall_seconds))
+}
+
+fn time(seconds: f64) -> String {
+    if seconds < 10.0 { format!("{seconds:.2}") } else { format!("{seconds:.1}") }
+}
+
+fn share(test: &TestResult) -> String {
+    format!("{} of {}", points(test.points), points(test.max_points))
+}
+
+fn indented(text: &str) -> String {
+    text.lines().map(|line| format!("       {line}\n")).collect()
+}
+
+/// A line that fits a screen; what a program prints may be one line of a megabyte.
+fn shortened(line: &str) -> String {
+    let printable: String =
+        line.chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect();
+    if line.chars().nth(160).is_some() { format!("{printable} ...") } else { printable }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_reads_well() {
+        let report = super::super::tests::report();
+        let text: String = report.tests.iter().map(ended).collect();
+        assert_eq!(
+            text,
+            "  OK    7 of 7 points   E_RMS   3.27 px (at most 8)   p_bad 0.0833 (at most 0.17)\n       \
+             CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
+             note: 3 of the 9 pixels were clipped\n  \
+             OK    0 of 7 points   E_RMS   9.50 px (at most 8)   p_bad 0.0833 (at most 0.17)\n       \
+             CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n  \
+             RE    0 of 7 points\n       \
+             CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
+             stereo_disparity_best.py, line 3, in stereo_disparity_best\n           1 / 0\n       \
+             ZeroDivisionError: division by zero\n"
+        );
+        assert_eq!(summary(&report), "\nSecret ID: Jaff Bozos\n7 of 21 points\n");
+    }
+
+    #[test]
+    fn what_was_printed_cannot_take_over_the_screen() {
+        let mut test = super::super::tests::report().tests.remove(2);
+        test.output = format!("\x1b[2J{}\n", "x".repeat(100_000));
+        let text = ended(&test);
+        assert!(text.len() < 1000 && !text.contains('\x1b'), "{text}");
+    }
+}

@@ -1,0 +1,111 @@
+//! A scene with its truth, in memory.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use formats::Encoding;
+use raster::{BoundingBox, Image, Plane};
+
+use super::scheme::{SceneSource, Scheme};
+use crate::dataset::{Case, CaseData, Files, Purpose, TruthFile};
+
+/// A rectified pair with ground truth. The truth stays in the grader's memory; entrants get files
+/// with the two images and nothing else.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Its name in reports.
+    pub id: String,
+    /// Left image.
+    pub left: Image,
+    /// Right image, of the same size.
+    pub right: Image,
+    /// True disparity of the left image in pixels, NaN where nobody knows.
+    pub truth: Plane<f32>,
+    /// True where both cameras see the pixel, if that is known.
+    pub non_occluded: Option<Plane<bool>>,
+    /// The pixels that are asked for and scored.
+    pub bounds: BoundingBox,
+    /// The file that holds the truth, if it is a file: it must be out of every entrant's reach.
+    pub truth_file: Option<PathBuf>,
+}
+
+/// The scenes of a scheme by id; for one that cannot be used, why.
+pub type Scenes = BTreeMap<String, Result<Scene, String>>;
+
+/// What to render: kind, seed, columns and rows.
+pub type Render<'a> =
+    &'a dyn Fn(&str, u64, Option<usize>, Option<usize>) -> Result<CaseData, String>;
+
+impl Scene {
+    /// Loads a case; errors, in words, when it has no truth or its files cannot be used.
+    pub fn load(case: &Case) -> Result<Self, String> {
+        let truth_file = case.files().and_then(|f| f.truth.as_ref()).map(|t| t.path.clone());
+        Self::from_data(&case.id, case.load().map_err(|error| error.to_string())?, truth_file)
+    }
+
+    fn from_data(id: &str, data: CaseData, truth_file: Option<PathBuf>) -> Result<Self, String> {
+        let truth = data.truth.ok_or_else(|| "it has no truth to score against".to_owned())?;
+        let non_occluded =
+            data.regions.into_iter().find(|region| region.name == "non-occluded").map(|r| r.mask);
+        let (left, right, bounds) = (data.left, data.right, data.bounds);
+        Ok(Self { id: id.to_owned(), left, right, truth, non_occluded, bounds, truth_file })
+    }
+}
+
+impl SceneSource {
+    /// Loads or renders the scene; files are relative to `folder`.
+    pub fn load(&self, id: &str, folder: &Path, render: Render<'_>) -> Result<Scene, String> {
+        match self {
+            Self::Files { left, right, truth, truth_encoding, bounds } => {
+                let encoding = match truth_encoding {
+                    Some(name) => name.parse::<Encoding>().map_err(|error| error.to_string())?,
+                    None => Encoding::Auto,
+                };
+                let files = Files {
+                    left: folder.join(left),
+                    right: folder.join(right),
+                    truth: Some(TruthFile { path: folder.join(truth), encoding }),
+                    ..Files::default()
+                };
+                let mut scene = Scene::load(&Case::new(id, Purpose::Test, files))?;
+                if let Some(bounds) = bounds {
+                    let bounds = match bounds.ends_with(".npy") {
+                        true => formats::read_bounding_box(folder.join(bounds)),
+                        false => formats::parse_bounding_box(bounds),
+                    };
+                    scene.bounds = bounds.map_err(|error| error.to_string())?;
+                    let (columns, rows) = scene.truth.size();
+                    scene.bounds.check_within(columns, rows).map_err(|error| error.to_string())?;
+                }
+                Ok(scene)
+            }
+            Self::Rendered { kind, seed, columns, rows } => {
+                Scene::from_data(id, render(kind, *seed, *columns, *rows)?, None)
+            }
+        }
+    }
+}
+
+/// Every scene that the scheme's tests need: from the scheme itself, with files relative to
+/// `folder`, else from the data sets' `cases`. `remedy` says how to get data sets.
+pub fn load_scenes(
+    scheme: &Scheme,
+    folder: &Path,
+    cases: &[Case],
+    remedy: &str,
+    render: Render<'_>,
+) -> Scenes {
+    let mut scenes = Scenes::new();
+    for id in scheme.tests.iter().map(|test| &test.scene) {
+        if scenes.contains_key(id) {
+            continue;
+        }
+        let scene = match (scheme.scenes.get(id), cases.iter().find(|case| case.id == *id)) {
+            (Some(source), _) => source.load(id, folder, render),
+            (None, Some(case)) => Scene::load(case),
+            (None, None) => Err(format!("it is not among the data sets; {remedy}")),
+        };
+        scenes.insert(id.clone(), scene.map_err(|problem| format!("scene {id}: {problem}")));
+    }
+    scenes
+}

@@ -1,0 +1,202 @@
+//! What is tested and what it is worth: data, so that an instructor can change it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::SchemeError;
+use crate::submission::Part;
+
+/// The course's six tests, `grading/course.toml`.
+pub const COURSE: &str = include_str!("../../grading/course.toml");
+
+/// Tests with their thresholds and points, and where their scenes come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scheme {
+    /// What it is called in reports.
+    pub name: String,
+    /// The tests, in the order in which they are run.
+    #[serde(rename = "test")]
+    pub tests: Vec<Test>,
+    /// Scenes that are defined here; any other is looked up among the data sets.
+    #[serde(default, rename = "scene", skip_serializing)]
+    pub scenes: BTreeMap<String, SceneSource>,
+}
+
+/// One test: one function on one scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Test {
+    /// Unique in the scheme.
+    pub name: String,
+    /// Which of the entrant's functions.
+    pub part: Part,
+    /// On which scene.
+    pub scene: String,
+    /// The largest disparity to search, in pixels, inclusive; the smallest is 0.
+    pub max_disparity: u32,
+    /// The largest root mean square error that passes, in pixels.
+    pub max_e_rms: f64,
+    /// The largest share of bad pixels that passes.
+    pub max_p_bad: f64,
+    /// Points when both pass.
+    pub points: f64,
+    /// Limit of CPU time, from the job to its answer.
+    pub cpu_seconds: f64,
+}
+
+/// Where a scene that is no data set of its own comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum SceneSource {
+    /// Files, relative to the folder of the file that names them.
+    Files {
+        /// Left image.
+        left: PathBuf,
+        /// Right image.
+        right: PathBuf,
+        /// Ground truth for the left image.
+        truth: PathBuf,
+        /// How the truth is stored, as in `hazcam score --truth-encoding`; by the file if absent.
+        #[serde(default)]
+        truth_encoding: Option<String>,
+        /// `x0,y0,x1,y1` inclusive, or a `.npy` file; all of the image if absent.
+        #[serde(default, rename = "box")]
+        bounds: Option<String>,
+    },
+    /// Rendered from a seed.
+    Rendered {
+        /// The kind of scene, as in `hazcam demo`.
+        kind: String,
+        /// The seed: another one is another scene.
+        seed: u64,
+        /// Width in pixels; the kind's own if absent.
+        #[serde(default)]
+        columns: Option<usize>,
+        /// Height in pixels; the kind's own if absent.
+        #[serde(default)]
+        rows: Option<usize>,
+    },
+}
+
+impl Scheme {
+    /// Reads a scheme from the text of `path`, which only messages mention.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SchemeError> {
+        let malformed = |problem: String| SchemeError { path: path.to_owned(), problem };
+        let scheme: Self = toml::from_str(text).map_err(|e| malformed(e.to_string()))?;
+        scheme.check().map_err(malformed)?;
+        Ok(scheme)
+    }
+
+    /// The course's six tests.
+    pub fn course() -> Self {
+        Self::parse(COURSE, Path::new("course.toml")).expect("the scheme that is built in is sound")
+    }
+
+    /// All points.
+    pub fn points(&self) -> f64 {
+        self.tests.iter().map(|test| test.points).sum()
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.tests.is_empty() {
+            return Err("it has no [[test]]".into());
+        }
+        for (at, test) in self.tests.iter().enumerate() {
+            let name = &test.name;
+            if self.tests[..at].iter().any(|other| other.name == *name) {
+                return Err(format!("two tests are called `{name}`; names must be unique"));
+            }
+            test.check().map_err(|problem| format!("test `{name}`: {problem}"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Test {
+    fn check(&self) -> Result<(), String> {
+        let positive = |field, value: f64| match value.is_finite() && value > 0.0 {
+            true => Ok(()),
+            false => Err(format!("{field} is {value}, but it must be greater than 0")),
+        };
+        positive("max_e_rms", self.max_e_rms)?;
+        positive("cpu_seconds", self.cpu_seconds)?;
+        if !(0.0..=1.0).contains(&self.max_p_bad) {
+            return Err(format!(
+                "max_p_bad is {}, but it is a share and must be from 0 to 1",
+                self.max_p_bad
+            ));
+        }
+        if !(self.points.is_finite() && self.points >= 0.0) {
+            return Err(format!("points is {}, but it must be 0 or more", self.points));
+        }
+        if self.max_disparity > 4096 {
+            return Err(format!(
+                "max_disparity is {}, but it must be at most 4096 pixels",
+                self.max_disparity
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_course_has_six_tests_and_fifty_points() {
+        let scheme = Scheme::course();
+        assert_eq!((scheme.tests.len(), scheme.points()), (6, 50.0));
+        let points: Vec<f64> = scheme.tests.iter().map(|test| test.points).collect();
+        assert_eq!(points, [6.0, 7.0, 7.0, 10.0, 10.0, 10.0]);
+        assert_eq!(scheme.tests.iter().filter(|test| test.part == Part::Fast).count(), 3);
+    }
+
+    #[test]
+    fn a_mistake_is_named_with_its_test() {
+        let refused = |from: &str, to: &str| {
+            assert!(COURSE.contains(from));
+            let error = Scheme::parse(&COURSE.replacen(from, to, 1), Path::new("mine.toml"));
+            error.unwrap_err().to_string()
+        };
+        let text = refused("max_p_bad = 0.17", "max_p_bad = 17");
+        assert!(text.starts_with("mine.toml: test `Part 1, Cones`: max_p_bad is 17"), "{text}");
+        assert!(refused("Part 1, Teddy", "Part 1, Cones").contains("names must be unique"));
+        assert!(refused("points = 6", "point = 6").contains("unknown field `point`"));
+        assert!(refused("cpu_seconds = 600", "cpu_seconds = 0").contains("greater than 0"));
+        let none = Scheme::parse("name = 'x'\ntest = []", Path::new("a")).unwrap_err();
+        assert!(none.to_string().contains("no [[test]]"));
+    }
+
+    #[test]
+    fn scenes_can_be_files_or_rendered() {
+        let text = r#"
+            name = "mine"
+            [[test]]
+            name = "a"
+            part = "best"
+            scene = "wall"
+            max_disparity = 16
+            max_e_rms = 1.0
+            max_p_bad = 0.1
+            points = 1
+            cpu_seconds = 5
+            [scene.wall]
+            left = "l.png"
+            right = "r.png"
+            truth = "t.pfm"
+            box = "1,2,3,4"
+            [scene."my/room"]
+            kind = "clutter"
+            seed = 7
+        "#;
+        let scheme = Scheme::parse(text, Path::new("mine.toml")).unwrap();
+        assert!(
+            matches!(&scheme.scenes["wall"], SceneSource::Files { bounds: Some(b), .. } if b == "1,2,3,4")
+        );
+        assert!(matches!(&scheme.scenes["my/room"], SceneSource::Rendered { seed: 7, .. }));
+    }
+}

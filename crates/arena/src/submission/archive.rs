@@ -1,0 +1,110 @@
+//! Tar archives, plain or compressed by gzip, unpacked without trusting a single entry.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::{Component, Path, PathBuf};
+
+use flate2::read::MultiGzDecoder;
+use tar::EntryType;
+
+use super::contents::{Intake, is_clutter};
+use super::error::SubmissionError;
+
+/// Unpacks the archive at `path` into the empty folder `staging`.
+pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError> {
+    let failed = |source| SubmissionError::Read { path: path.to_owned(), source };
+    let mut file = File::open(path).map_err(failed)?;
+    let mut first = Vec::new();
+    file.by_ref().take(512).read_to_end(&mut first).map_err(failed)?;
+    file.rewind().map_err(failed)?;
+    let reader: Box<dyn Read> = match first[..] {
+        [0x1f, 0x8b, ..] => Box::new(MultiGzDecoder::new(BufReader::new(file))),
+        _ if is_tar(&first) => Box::new(BufReader::new(file)),
+        _ => {
+            let found = describe(&first);
+            return Err(SubmissionError::WrongKind { path: path.to_owned(), found });
+        }
+    };
+    let damaged = |error: io::Error| SubmissionError::Damaged {
+        path: path.to_owned(),
+        problem: error.to_string(),
+    };
+    let mut intake = Intake::new(path);
+    let mut archive = tar::Archive::new(reader);
+    for entry in archive.entries().map_err(damaged)? {
+        let entry = entry.map_err(damaged)?;
+        let name = entry.path().map_err(damaged)?.into_owned();
+        let relative = checked(&intake, &name)?;
+        match entry.header().entry_type() {
+            EntryType::Directory | EntryType::XGlobalHeader => continue,
+            EntryType::Symlink | EntryType::Link => {
+                return Err(intake.refuse(&name, "is a link: pack the file itself (tar -h)"));
+            }
+            EntryType::Regular | EntryType::Continuous => {}
+            _ => return Err(intake.refuse(&name, "is no ordinary file: remove it")),
+        }
+        let clutter = |part: Component<'_>| is_clutter(&part.as_os_str().to_string_lossy());
+        if relative.components().any(clutter) {
+            continue;
+        }
+        let target = staging.join(&relative);
+        if relative.as_os_str().is_empty() || target.is_dir() {
+            return Err(intake.refuse(&name, "is a file and a folder at once: pack it again"));
+        }
+        intake.take(entry, &target)?;
+    }
+    Ok(())
+}
+
+/// The entry's path below the folder that it is unpacked into.
+fn checked(intake: &Intake<'_>, name: &Path) -> Result<PathBuf, SubmissionError> {
+    let mut relative = PathBuf::new();
+    for part in name.components() {
+        match part {
+            Component::Normal(part) => relative.push(part),
+            Component::CurDir => {}
+            Component::ParentDir => {
+                return Err(intake.refuse(name, "leads out of the archive by `..`: pack it again"));
+            }
+            Component::RootDir | Component::Prefix(_) => {
+                return Err(intake.refuse(
+                    name,
+                    "is an absolute path: pack it from within the folder (tar -C FOLDER -cf ...)",
+                ));
+            }
+        }
+    }
+    Ok(relative)
+}
+
+/// Whether this first block of 512 bytes is a tar header: its checksum fits.
+fn is_tar(block: &[u8]) -> bool {
+    match <&[u8; 512]>::try_from(block) {
+        Ok(block) => {
+            let header = tar::Header::from_byte_slice(block);
+            let sum: u32 = block
+                .iter()
+                .enumerate()
+                // The checksum itself counts as blanks.
+                .map(|(at, &byte)| u32::from(if (148..156).contains(&at) { b' ' } else { byte }))
+                .sum();
+            header.cksum().is_ok_and(|claimed| claimed == sum)
+        }
+        Err(_) => false,
+    }
+}
+
+/// What a file that is no tar archive looks like.
+fn describe(first: &[u8]) -> &'static str {
+    match first {
+        [] => "an empty file",
+        [b'P', b'K', 3 | 5, ..] => "a zip archive",
+        [b'R', b'a', b'r', b'!', ..] => "a rar archive",
+        [b'7', b'z', 0xbc, 0xaf, ..] => "a 7z archive",
+        [b'B', b'Z', b'h', ..] => "compressed by bzip2",
+        [0xfd, b'7', b'z', b'X', b'Z', ..] => "compressed by xz",
+        [0x28, 0xb5, 0x2f, 0xfd, ..] => "compressed by zstd",
+        _ if std::str::from_utf8(first).is_ok() => "a single text file",
+        _ => "no tar archive",
+    }
+}

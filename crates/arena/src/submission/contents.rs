@@ -1,0 +1,178 @@
+//! Names and sizes: what is copied, what is refused, which files are missing.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::error::SubmissionError;
+use super::finding::Finding;
+
+/// What a submission may hold.
+const MAX_FILES: usize = 1000;
+/// What a submission may hold, in bytes.
+const MAX_BYTES: u64 = 64 << 20;
+
+/// The files of the course's assignment.
+const FILES: [&str; 3] = ["secret_id.py", "stereo_disparity_fast.py", "stereo_disparity_best.py"];
+
+/// Counts what is taken against what a submission may hold.
+pub(super) struct Intake<'a> {
+    submission: &'a Path,
+    files: usize,
+    bytes: u64,
+}
+
+impl<'a> Intake<'a> {
+    pub fn new(submission: &'a Path) -> Self {
+        Self { submission, files: 0, bytes: 0 }
+    }
+
+    pub fn refuse(&self, entry: &Path, problem: impl Into<String>) -> SubmissionError {
+        SubmissionError::Entry {
+            path: self.submission.to_owned(),
+            entry: entry.display().to_string(),
+            problem: problem.into(),
+        }
+    }
+
+    /// Takes one file: copies `reader`, whatever size was claimed for it, to `target`.
+    pub fn take(&mut self, mut reader: impl Read, target: &Path) -> Result<(), SubmissionError> {
+        let too_large =
+            |problem| SubmissionError::TooLarge { path: self.submission.to_owned(), problem };
+        self.files += 1;
+        if self.files > MAX_FILES {
+            return Err(too_large(format!(
+                "it holds more than {MAX_FILES} files; hand in the Python files alone"
+            )));
+        }
+        let failed = |source| SubmissionError::Write { path: target.to_owned(), source };
+        if let Some(folder) = target.parent() {
+            fs::create_dir_all(folder).map_err(failed)?;
+        }
+        let mut file = fs::File::create(target).map_err(failed)?;
+        let left = MAX_BYTES - self.bytes;
+        let copied =
+            io::copy(&mut reader.by_ref().take(left + 1), &mut file).map_err(|source| {
+                SubmissionError::Damaged {
+                    path: self.submission.to_owned(),
+                    problem: source.to_string(),
+                }
+            })?;
+        if copied > left {
+            return Err(too_large(format!(
+                "it holds more than {} MiB; hand in the Python files alone",
+                MAX_BYTES >> 20
+            )));
+        }
+        self.bytes += copied;
+        Ok(())
+    }
+}
+
+/// Whether an entry is left out without a word: caches, version control, what editors and
+/// operating systems leave behind.
+pub(super) fn is_clutter(name: &str) -> bool {
+    name.starts_with('.') || name == "__pycache__" || name == "__MACOSX"
+}
+
+/// Copies a folder; links and special files are refused.
+pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError> {
+    let mut intake = Intake::new(from);
+    let mut folders = vec![PathBuf::new()];
+    while let Some(folder) = folders.pop() {
+        let full = from.join(&folder);
+        let failed = |source| SubmissionError::Read { path: full.clone(), source };
+        for entry in fs::read_dir(&full).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let relative = folder.join(entry.file_name());
+            if is_clutter(&entry.file_name().to_string_lossy()) {
+                continue;
+            }
+            let kind = entry.file_type().map_err(failed)?;
+            if kind.is_dir() {
+                folders.push(relative);
+            } else if kind.is_symlink() {
+                let problem = "is a link: hand in the file itself";
+                return Err(intake.refuse(&relative, problem));
+            } else if kind.is_file() {
+                let path = entry.path();
+                let file = fs::File::open(&path)
+                    .map_err(|source| SubmissionError::Read { path, source })?;
+                intake.take(file, &to.join(relative))?;
+            } else {
+                return Err(intake.refuse(&relative, "is no ordinary file: remove it"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The folder in which the course's files are: the copy itself, or one below it when the
+/// submission was packed with its folder.
+pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, SubmissionError> {
+    let mut level = vec![staging.to_owned()];
+    let mut python_files = Vec::new();
+    while !level.is_empty() {
+        let holding = |folder: &PathBuf| FILES.iter().filter(|f| folder.join(f).is_file()).count();
+        // Of folders at the same depth the one that holds most, by name when they hold as many.
+        level.sort();
+        if let Some(best) = level.iter().rev().max_by_key(|f| holding(f)).filter(|f| holding(f) > 0)
+        {
+            return Ok(best.clone());
+        }
+        let mut below = Vec::new();
+        for folder in level {
+            let failed = |source| SubmissionError::Read { path: folder.clone(), source };
+            for entry in fs::read_dir(&folder).map_err(failed)?.flatten() {
+                let path = entry.path();
+                if path.is_dir() {
+                    below.push(path);
+                } else if path.extension().is_some_and(|e| e == "py" || e == "ipynb") {
+                    python_files.push(entry.file_name().to_string_lossy().into_owned());
+                }
+            }
+        }
+        level = below;
+    }
+    python_files.sort();
+    python_files.truncate(6);
+    let hint = match python_files.is_empty() {
+        true => ", and no Python file at all".to_owned(),
+        false => format!("; it has {}: rename them", python_files.join(", ")),
+    };
+    Err(SubmissionError::NoModules { path: path.to_owned(), hint })
+}
+
+/// A finding for each of the course's files that is not there.
+pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
+    let names: Vec<String> = fs::read_dir(root)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    let mut findings = Vec::new();
+    for file in FILES {
+        if root.join(file).is_file() {
+            continue;
+        }
+        let stem = file.trim_end_matches(".py");
+        let alike = names.iter().find(|name| name.to_lowercase().starts_with(stem));
+        let instead = match alike {
+            Some(name) => format!("; there is `{name}`: rename it"),
+            None if file == "secret_id.py" => {
+                "; it defines secret_id(), which returns the name for the leaderboard, 4 to 32 \
+                 printable characters"
+                    .to_owned()
+            }
+            None => format!("; it defines {stem}(Il, Ir, bbox, maxd)"),
+        };
+        findings.push(Finding {
+            file: file.to_owned(),
+            line: None,
+            text: format!("the file is missing{instead}"),
+            fatal: file != "secret_id.py",
+        });
+    }
+    findings
+}

@@ -1,0 +1,109 @@
+//! A course submission in Python: a folder or a tar archive with `secret_id.py`,
+//! `stereo_disparity_fast.py` and `stereo_disparity_best.py`.
+//!
+//! It comes from somebody who is not trusted. [`Submission::open`] copies it into a folder of the
+//! grader's and looks at names and sizes only. Its functions are run as engines, through the
+//! [`Runner`] in the crate's folder `python/`, which belongs in a sandbox. Findings about the content ([`Finding`]) come from the same runner, because only Python can
+//! tell what Python will make of a file.
+
+mod archive;
+mod contents;
+mod error;
+mod finding;
+mod python;
+mod runner;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+pub use error::SubmissionError;
+pub use finding::Finding;
+pub use python::Python;
+pub use runner::{Inspection, Runner, is_secret_id};
+
+/// One of the two parts of the course's assignment.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// Part 1: a fixed window and absolute differences.
+    Fast,
+    /// Part 2: any other method.
+    Best,
+}
+
+impl Part {
+    /// Both, in order.
+    pub const ALL: [Part; 2] = [Part::Fast, Part::Best];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Best => "best",
+        }
+    }
+
+    /// The module and the function of a submission.
+    pub fn function(self) -> &'static str {
+        match self {
+            Self::Fast => "stereo_disparity_fast",
+            Self::Best => "stereo_disparity_best",
+        }
+    }
+}
+
+/// A submission, copied to where the grader keeps it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Submission {
+    /// Where the three files are.
+    root: PathBuf,
+    /// What was noticed about names, before any file was looked into.
+    findings: Vec<Finding>,
+}
+
+impl Submission {
+    /// Copies the submission at `path`, a folder or a tar archive (plain or gzip-compressed), into
+    /// the empty folder `staging`.
+    ///
+    /// Errors: what is neither; links, devices, absolute paths and `..`; too many or too large
+    /// files; none of the course's files in it. A single missing file is a finding.
+    pub fn open(path: &Path, staging: &Path) -> Result<Self, SubmissionError> {
+        let metadata = path
+            .metadata()
+            .map_err(|source| SubmissionError::Read { path: path.to_owned(), source })?;
+        match metadata.is_dir() {
+            true => contents::copy_folder(path, staging)?,
+            false => archive::unpack(path, staging)?,
+        }
+        let root = contents::find_root(path, staging)?;
+        let findings = contents::missing_files(&root);
+        Ok(Self { root, findings })
+    }
+
+    /// What was noticed about the files' names.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// A fresh copy for one test, which may change its files.
+    pub fn copy_to(&self, folder: &Path) -> Result<(), SubmissionError> {
+        contents::copy_folder(&self.root, folder)
+    }
+
+    /// Whether the file that a part needs is there.
+    pub fn has(&self, part: Part) -> bool {
+        self.root.join(format!("{}.py", part.function())).is_file()
+    }
+}
+
+/// The process that looks at the copy of a submission in `folder` without running its matchers.
+pub(crate) fn inspector(runner: &Runner, folder: &Path) -> Command {
+    runner.command(&["inspect".as_ref(), folder.as_os_str()])
+}
+
+/// The engine that runs one function of the copy of a submission in `folder`.
+pub(crate) fn engine(runner: &Runner, folder: &Path, part: Part) -> Command {
+    runner.command(&["run".as_ref(), folder.as_os_str(), part.function().as_ref()])
+}
