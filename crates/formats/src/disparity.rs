@@ -180,7 +180,9 @@ const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit), .tiff (float32)
 /// | `.tiff`, `.tif` | float32 | NaN |
 ///
 /// In a `.png` a disparity below 1/512 would round to 0 and so vanish; it is stored as 1, that is
-/// 1/256 pixel, as KITTI's own tools do. Disparities outside `[0, 256)` do not fit and are an error.
+/// 1/256 pixel, as KITTI's own tools do. Any other is off by at most 1/512 pixel (above 255.998 by
+/// less than 1/256, since 65535 is the last sample). Disparities outside `[0, 256)` do not fit and
+/// are an error that names the pixel.
 /// An infinite value is an error in every format, because it is neither a disparity nor "no value".
 pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<(), FormatError> {
     let path = path.as_ref();

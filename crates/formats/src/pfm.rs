@@ -38,13 +38,15 @@ pub(crate) fn decode(source: &Source) -> Result<Plane<f32>, FormatError> {
     }
     let (columns, rows) = source.check_size(FORMAT, columns, rows, |pixels| pixels * 4)?;
     let length = columns * rows * 4;
-    let data = match words.data() {
-        // Written on Windows in text mode: the header ends in two characters.
-        Some([b'\n', rest @ ..]) if rest.len() == length && source.bytes[words.at()] == b'\r' => {
-            rest
+    // One blank ends the header; some programs write several (`\r\n`, or a space and a line feed).
+    // Which bytes are values is certain all the same, because their number is.
+    let behind = &source.bytes[words.at()..];
+    let blanks = behind.len().saturating_sub(length);
+    let data = match &behind[..blanks] {
+        [space @ .., b'\n'] if space.iter().all(|b| matches!(b, b' ' | b'\t' | b'\r')) => {
+            &behind[blanks..]
         }
-        Some(data) => data,
-        None => &[],
+        _ => words.data().unwrap_or_default(),
     };
     if data.len() != length {
         return Err(source.malformed(

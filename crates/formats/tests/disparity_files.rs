@@ -100,7 +100,7 @@ fn pfm_is_read_from_the_bottom_in_either_byte_order() {
         ("-0.0039", rows.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>()),
         ("1.5", rows.as_flattened().iter().flat_map(|v| v.to_be_bytes()).collect()),
     ] {
-        for end in ["\n", "\r\n"] {
+        for end in ["\n", "\r\n", " \n"] {
             let header = format!("Pf{end}2 3{end}{scale}{end}");
             fs::write(&path, [header.as_bytes(), &bytes].concat()).unwrap();
             let read = read_disparity(&path, Encoding::Pfm).unwrap();

@@ -8,7 +8,7 @@ use std::io::{self, Cursor, Write};
 
 use raster::{Image, Plane};
 use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+use tiff::encoder::{Compression, DeflateLevel, TiffEncoder, colortype::Gray32Float};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
@@ -128,13 +128,15 @@ fn explain(source: &Source, error: TiffError) -> FormatError {
     }
 }
 
-/// Writes one float a pixel, uncompressed, NaN as NaN.
+/// Writes one float a pixel, deflated, NaN as NaN. (The encoder names a predictor even where it has
+/// none, which libtiff warns about in a file that is not compressed.)
 pub(crate) fn encode(values: &Plane<f32>, writer: &mut dyn Write) -> io::Result<()> {
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let (columns, rows) = (side(values.columns())?, side(values.rows())?);
     // The encoder seeks back and forth, which a pipe cannot.
     let mut file = Cursor::new(Vec::new());
     TiffEncoder::new(&mut file)
+        .map(|tiff| tiff.with_compression(Compression::Deflate(DeflateLevel::Fast)))
         .and_then(|mut tiff| tiff.write_image::<Gray32Float>(columns, rows, values.samples()))
         .map_err(io::Error::other)?;
     writer.write_all(file.get_ref())
