@@ -5,6 +5,7 @@ mod cards;
 mod clutter;
 mod mars;
 mod plane;
+mod street;
 
 use std::fmt;
 use std::str::FromStr;
@@ -34,6 +35,8 @@ pub enum Kind {
     Clutter,
     /// Martian ground with rocks to the horizon, over the deck of a rover.
     Mars,
+    /// A street: slanted road and facades, cars, poles, trees, and a sky at infinity.
+    Street,
 }
 
 /// A world and the cameras in it.
@@ -44,7 +47,7 @@ pub(crate) struct Stage {
 
 impl Kind {
     /// The kinds without numbers of their own: those to choose from when a seed is all there is.
-    pub const NAMED: [Kind; 3] = [Kind::Cards, Kind::Clutter, Kind::Mars];
+    pub const NAMED: [Kind; 4] = [Kind::Cards, Kind::Clutter, Kind::Mars, Kind::Street];
 
     /// The name without numbers.
     fn word(&self) -> &'static str {
@@ -53,6 +56,7 @@ impl Kind {
             Self::Cards => "cards",
             Self::Clutter => "clutter",
             Self::Mars => "mars",
+            Self::Street => "street",
         }
     }
 
@@ -74,6 +78,7 @@ impl Kind {
             Self::Cards => cards::build(settings),
             Self::Clutter => clutter::build(settings),
             Self::Mars => mars::build(settings),
+            Self::Street => street::build(settings),
         }
     }
 }

@@ -27,7 +27,8 @@ pub(super) fn terrain(builder: &mut Builder) -> Terrain {
     let rough = builder.random.between(0.6, 1.2);
     let hills = builder.random.between(25.0, 70.0);
     let sand = builder.random.between(-0.1, 0.25);
-    let wind = builder.random.between(-0.5, 0.5);
+    let wind = builder.random.direction() + vector(1e-3, 0.0, 0.0);
+    let wind = vector(wind.x, wind.y, 0.0).normalized();
     let soil = Material::patterned(
         Pattern::Regolith { size: 3.0 },
         vector(0.12, 0.055, 0.028),
@@ -60,7 +61,7 @@ pub(super) fn terrain(builder: &mut Builder) -> Terrain {
         };
         if let (Some((length, high)), true) = (wave, sandy > 0.0) {
             let bend = gradient(p * (0.35 / length), seed ^ 0x6265_6e64);
-            height += sandy * high * ripple((y + wind * x) / length + 1.2 * bend);
+            height += sandy * high * ripple(p.dot(wind) / length + 1.2 * bend);
         }
         height
     })
