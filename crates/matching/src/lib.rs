@@ -36,6 +36,7 @@ mod cost;
 mod error;
 mod kernels;
 mod matcher;
+mod optimization;
 mod options;
 mod prepare;
 mod presets;

@@ -50,7 +50,7 @@ impl Matcher {
                     allowed: format!("the system could not start them ({e}); ask for fewer"),
                 }
             })?;
-        let pipeline = presets::pipeline(&options);
+        let pipeline = presets::pipeline(&options)?;
         Ok(Self { options, pool, pipeline, map: DisparityMap::default() })
     }
 

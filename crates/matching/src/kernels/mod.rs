@@ -2,3 +2,4 @@
 //! vectorises, and the test that they agree bit for bit at every level of the processor.
 
 pub mod level;
+pub(crate) mod path;

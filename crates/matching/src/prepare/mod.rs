@@ -1,4 +1,5 @@
 //! What matching costs are computed from.
 
+pub(crate) mod census;
 pub(crate) mod grey;
 pub(crate) mod prefilter;

@@ -193,7 +193,7 @@ impl Pipeline for Fast {
 }
 
 /// Fills rows without any value from the nearest row that has some, or with `nowhere`.
-fn fill_rows(
+pub(super) fn fill_rows(
     values: &mut Plane<f32>,
     reasons: &mut Plane<Reason>,
     (width, bounds): (usize, BoundingBox),
@@ -221,7 +221,7 @@ fn fill_rows(
     }
 }
 
-fn hole(reason: Reason) -> Reason {
+pub(super) fn hole(reason: Reason) -> Reason {
     match reason {
         Reason::OccludedFilled => Reason::OccludedHole,
         Reason::MismatchedFilled => Reason::MismatchedHole,

@@ -1,20 +1,30 @@
 //! The presets: which stages, in which order, with which parameters.
 
 mod fast;
+mod semi_global;
 
+use crate::kernels::level::Level;
 use crate::matcher::Pipeline;
-use crate::{Options, Preset};
+use crate::{MatchError, Options, Preset};
+use semi_global::{SemiGlobalMatching, Smoothing};
 
 /// The stages that the options ask for.
-pub(crate) fn pipeline(options: &Options) -> Box<dyn Pipeline> {
+pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchError> {
+    let semi_global = |smoothing| -> Result<Box<dyn Pipeline>, MatchError> {
+        Ok(Box::new(SemiGlobalMatching::new(smoothing, Level::chosen()?)))
+    };
     match options.preset {
-        Preset::Fast | Preset::Balanced | Preset::Best => Box::new(fast::Fast::default()),
+        Preset::Fast => Ok(Box::new(fast::Fast::default())),
+        Preset::Balanced => semi_global(Smoothing::Median),
+        Preset::Best => semi_global(Smoothing::WeightedMedian),
     }
 }
 
 /// The algorithm of a preset in a few short lines with its sources.
 pub(crate) fn explanation(preset: Preset) -> &'static str {
     match preset {
-        Preset::Fast | Preset::Balanced | Preset::Best => include_str!("fast.md"),
+        Preset::Fast => include_str!("fast.md"),
+        Preset::Balanced => include_str!("balanced.md"),
+        Preset::Best => include_str!("best.md"),
     }
 }

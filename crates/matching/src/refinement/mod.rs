@@ -2,3 +2,5 @@
 
 pub(crate) mod median;
 pub(crate) mod row_fill;
+pub(crate) mod speckle;
+pub(crate) mod weighted_median;

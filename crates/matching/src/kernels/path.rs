@@ -1,0 +1,252 @@
+//! One row of four semi-global paths (Hirschmüller, PAMI 2008).
+//!
+//! A path arriving from pixel `q` at pixel `p` carries, per disparity `d`,
+//!
+//! ```text
+//! L(p, d) = C(p, d) + min( L(q, d), L(q, d - 1) + P1, L(q, d + 1) + P1, min_k L(q, k) + P2 )
+//!                   - min_k L(q, k)
+//! ```
+//!
+//! which never exceeds the largest cost plus `P2`, so one byte holds it as long as that sum stays
+//! below 256. A row is done with its four paths together: the costs are read once, the sum of the
+//! four is built in registers, and the three paths from the row before hide the latency of the one
+//! along the row.
+
+use super::level::at_every_level;
+
+/// Disparities are handled in groups of this many.
+pub const LANES: usize = 32;
+/// Room at both ends of a pixel's states for the neighbours `d - 1` and `d + 1`.
+const MARGIN: usize = 16;
+
+/// `count` rounded up to whole groups.
+pub fn padded(count: usize) -> usize {
+    count.div_ceil(LANES) * LANES
+}
+
+/// The states of three paths along one row: from the previous, the same and the next column of the
+/// row before, in that order. One column more on each side stays zero: a path that enters the
+/// image begins with its cost alone.
+#[derive(Default, Clone)]
+pub struct RowStates {
+    /// Per path and column: `MARGIN` bytes of 255, the states, `MARGIN` bytes of 255.
+    states: [Vec<u8>; 3],
+    /// The least state of each column.
+    least: [Vec<u8>; 3],
+}
+
+impl RowStates {
+    /// Before the first row: every path begins anew.
+    pub fn reset(&mut self, columns: usize, padded_count: usize) {
+        let stride = padded_count + 2 * MARGIN;
+        for (states, least) in self.states.iter_mut().zip(&mut self.least) {
+            states.clear();
+            states.resize((columns + 2) * stride, 0);
+            least.clear();
+            least.resize(columns + 2, 0);
+            for column in states.chunks_exact_mut(stride).skip(1).take(columns) {
+                column[..MARGIN].fill(255);
+                column[MARGIN + padded_count..].fill(255);
+            }
+        }
+    }
+}
+
+/// The state of the path along the row, of two columns in turn.
+#[derive(Default, Clone)]
+pub struct AlongState {
+    states: [Vec<u8>; 2],
+}
+
+impl AlongState {
+    /// Makes room for this many disparities.
+    pub fn reset(&mut self, padded_count: usize) {
+        for states in &mut self.states {
+            states.clear();
+            states.resize(padded_count + 2 * MARGIN, 255);
+        }
+    }
+}
+
+/// The large penalty per column for each path of a row: from the previous, the same and the next
+/// column of the row before, and along the row.
+#[derive(Default, Clone)]
+pub struct RowPenalties {
+    /// `P2` per column.
+    pub p2: [Vec<u8>; 4],
+}
+
+/// One step of one path for one group of disparities; the definition above.
+#[inline(always)]
+fn step(cost: &[u8; LANES], before: &[u8], at: usize, least: u8, p1: u8, p2: u8) -> [u8; LANES] {
+    let same: &[u8; LANES] = before[at..at + LANES].try_into().expect("a whole group");
+    let down: &[u8; LANES] = before[at - 1..at - 1 + LANES].try_into().expect("a whole group");
+    let up: &[u8; LANES] = before[at + 1..at + 1 + LANES].try_into().expect("a whole group");
+    let jump = least.saturating_add(p2);
+    let mut after = [0; LANES];
+    for i in 0..LANES {
+        let change = down[i].min(up[i]).saturating_add(p1);
+        let best = same[i].min(change).min(jump);
+        after[i] = cost[i].saturating_add(best - least);
+    }
+    after
+}
+
+#[inline(always)]
+fn least_of(values: &[u8; LANES]) -> u8 {
+    let mut half = [0u8; 16];
+    for i in 0..16 {
+        half[i] = values[i].min(values[i + 16]);
+    }
+    half.into_iter().fold(255, u8::min)
+}
+
+at_every_level! {
+    /// Advances the four paths by one row and gives the sum of their states.
+    ///
+    /// `cost` and `sum` hold `columns x count` values with the disparities of a column side by side
+    /// (`count` a multiple of [`LANES`]). `before` are the states of the row before, `after` those
+    /// of this one. With `REVERSE` the path along the row runs from right to left. With `ADD` the
+    /// sum is added to what `sum` holds, otherwise it replaces it.
+    pub fn paths_of_row<const REVERSE: bool, const ADD: bool>(
+        cost: &[u8],
+        count: usize,
+        penalty: &RowPenalties,
+        p1: u8,
+        before: &RowStates,
+        after: &mut RowStates,
+        along: &mut AlongState,
+        sum: &mut [u16],
+    ) {
+        let columns = cost.len() / count;
+        let stride = count + 2 * MARGIN;
+        let [mut old, mut new] = along.states.each_mut().map(|s| &mut s[..]);
+        old[MARGIN..MARGIN + count].fill(0);
+        let mut along_least = 0u8;
+        let [after0, after1, after2] = after.states.each_mut().map(|s| &mut s[..]);
+        for step_at in 0..columns {
+            let x = if REVERSE { columns - 1 - step_at } else { step_at };
+            let cost = &cost[x * count..][..count];
+            let sum = &mut sum[x * count..][..count];
+            // Column x of the image is column x + 1 of the states.
+            let from0 = &before.states[0][x * stride..][..stride];
+            let from1 = &before.states[1][(x + 1) * stride..][..stride];
+            let from2 = &before.states[2][(x + 2) * stride..][..stride];
+            let least = [before.least[0][x], before.least[1][x + 1], before.least[2][x + 2]];
+            let to0 = &mut after0[(x + 1) * stride + MARGIN..][..count];
+            let to1 = &mut after1[(x + 1) * stride + MARGIN..][..count];
+            let to2 = &mut after2[(x + 1) * stride + MARGIN..][..count];
+            let p2 = [penalty.p2[0][x], penalty.p2[1][x], penalty.p2[2][x], penalty.p2[3][x]];
+            let mut lowest = [[255u8; LANES]; 4];
+            let mut at = 0;
+            while at < count {
+                let c: &[u8; LANES] = cost[at..at + LANES].try_into().expect("a whole group");
+                let l0 = step(c, from0, MARGIN + at, least[0], p1, p2[0]);
+                let l1 = step(c, from1, MARGIN + at, least[1], p1, p2[1]);
+                let l2 = step(c, from2, MARGIN + at, least[2], p1, p2[2]);
+                let l3 = step(c, old, MARGIN + at, along_least, p1, p2[3]);
+                to0[at..at + LANES].copy_from_slice(&l0);
+                to1[at..at + LANES].copy_from_slice(&l1);
+                to2[at..at + LANES].copy_from_slice(&l2);
+                new[MARGIN + at..MARGIN + at + LANES].copy_from_slice(&l3);
+                let s: &mut [u16; LANES] =
+                    (&mut sum[at..at + LANES]).try_into().expect("a whole group");
+                for i in 0..LANES {
+                    let four =
+                        u16::from(l0[i]) + u16::from(l1[i]) + u16::from(l2[i]) + u16::from(l3[i]);
+                    s[i] = if ADD { s[i] + four } else { four };
+                    lowest[0][i] = lowest[0][i].min(l0[i]);
+                    lowest[1][i] = lowest[1][i].min(l1[i]);
+                    lowest[2][i] = lowest[2][i].min(l2[i]);
+                    lowest[3][i] = lowest[3][i].min(l3[i]);
+                }
+                at += LANES;
+            }
+            for path in 0..3 {
+                after.least[path][x + 1] = least_of(&lowest[path]);
+            }
+            along_least = least_of(&lowest[3]);
+            std::mem::swap(&mut old, &mut new);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::level::Level;
+
+    /// The recurrence as the paper writes it, in whole numbers, for one path.
+    fn definition(cost: &[u8], before: Option<&[i32]>, p1: i32, p2: i32) -> Vec<i32> {
+        let Some(before) = before else { return cost.iter().map(|&c| i32::from(c)).collect() };
+        let least = *before.iter().min().unwrap();
+        (0..cost.len())
+            .map(|d| {
+                let mut best = before[d].min(least + p2);
+                if d > 0 {
+                    best = best.min(before[d - 1] + p1);
+                }
+                if d + 1 < cost.len() {
+                    best = best.min(before[d + 1] + p1);
+                }
+                i32::from(cost[d]) + best - least
+            })
+            .collect()
+    }
+
+    #[test]
+    fn four_paths_are_the_papers_recurrence_at_every_level() {
+        let (columns, rows, count, p1) = (13, 5, 64, 7u8);
+        let mut state = 1u32;
+        let mut random = |n: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            ((state >> 16) % n) as u8
+        };
+        let costs: Vec<u8> = (0..columns * rows * count).map(|_| random(80)).collect();
+        let mut penalty = RowPenalties::default();
+        for p2 in &mut penalty.p2 {
+            *p2 = (0..columns).map(|_| 20 + random(100)).collect();
+        }
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            let mut states = [RowStates::default(), RowStates::default()];
+            states.iter_mut().for_each(|s| s.reset(columns, count));
+            let mut along = AlongState::default();
+            along.reset(count);
+            let mut expected_before: Vec<[Vec<i32>; 3]> = Vec::new();
+            for y in 0..rows {
+                let cost = &costs[y * columns * count..][..columns * count];
+                let mut sum = vec![1u16; columns * count];
+                let [before, after] = &mut states;
+                paths_of_row::<false, true>(
+                    level, cost, count, &penalty, p1, before, after, &mut along, &mut sum,
+                );
+                states.swap(0, 1);
+
+                let mut now = Vec::new();
+                let mut along_before: Option<Vec<i32>> = None;
+                for x in 0..columns {
+                    let c = &cost[x * count..][..count];
+                    let at = |path: usize, x: Option<usize>| {
+                        x.and_then(|x| expected_before.get(x)).map(|s| &s[path][..])
+                    };
+                    let p2 = |path: usize| i32::from(penalty.p2[path][x]);
+                    let p1 = i32::from(p1);
+                    let three = [
+                        definition(c, at(0, x.checked_sub(1)), p1, p2(0)),
+                        definition(c, at(1, Some(x)), p1, p2(1)),
+                        definition(c, at(2, Some(x + 1)), p1, p2(2)),
+                    ];
+                    let fourth = definition(c, along_before.as_deref(), p1, p2(3));
+                    for d in 0..count {
+                        let total = three.iter().map(|l| l[d]).sum::<i32>() + fourth[d] + 1;
+                        assert_eq!(i32::from(sum[x * count + d]), total, "x {x} y {y} d {d}");
+                    }
+                    now.push(three);
+                    along_before = Some(fourth);
+                }
+                expected_before = now;
+            }
+        }
+    }
+}

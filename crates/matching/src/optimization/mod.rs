@@ -1,0 +1,3 @@
+//! A disparity per pixel that is also smooth.
+
+pub(crate) mod semi_global;
