@@ -134,7 +134,7 @@ def answer(job, options):
     np.save(job["disparity"], values)
     np.save(job["reasons"], np.where(hole, 3, 1).astype(np.uint8))
     if confidence is not None:
-        confidence = np.asarray(confidence)[:, inside] / 255
+        confidence = np.clip(np.asarray(confidence)[:, inside] / 255, 0, 1)  # 255.03 does occur
         np.save(job["confidence"], np.where(hole, 0, confidence).astype(np.float32))
 
 

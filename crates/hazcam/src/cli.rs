@@ -70,6 +70,11 @@ commands! {
         Info => info,
         Explain => explain,
     }
+    "Measuring" {
+        Demo => demo,
+        Bench => bench,
+        Engine => engine,
+    }
     "This installation" {
         Doctor => doctor,
         Completions => completions,

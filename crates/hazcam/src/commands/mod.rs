@@ -1,7 +1,10 @@
 //! One file per command, each with `Args` (what is typed, with its help) and `run`.
 
+pub mod bench;
 pub mod completions;
+pub mod demo;
 pub mod doctor;
+pub mod engine;
 pub mod explain;
 pub mod info;
 pub mod man;

@@ -1,0 +1,40 @@
+//! The machine that a record was made on.
+
+use std::fs;
+
+use serde::Serialize;
+
+/// What a reader must know of a machine to judge a time.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Machine {
+    /// The processor's name, as the system tells it.
+    pub cpu: Option<String>,
+    /// How many threads can run at once.
+    pub cores: usize,
+    /// The vector instructions that hazcam's presets use here.
+    pub level: Option<String>,
+    /// The architecture.
+    pub architecture: &'static str,
+    /// The operating system.
+    pub system: &'static str,
+}
+
+impl Machine {
+    /// The machine that this runs on. `level` names the vector instructions in use.
+    pub fn this(level: Option<String>) -> Self {
+        Self {
+            cpu: cpu_name(),
+            cores: std::thread::available_parallelism().map_or(1, |n| n.get()),
+            level,
+            architecture: std::env::consts::ARCH,
+            system: std::env::consts::OS,
+        }
+    }
+}
+
+/// The name in Linux's `/proc/cpuinfo`; elsewhere unknown.
+fn cpu_name() -> Option<String> {
+    let text = fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}

@@ -1,0 +1,183 @@
+//! What is kept of one engine on one scene: everything needed to read its numbers right.
+//!
+//! A [`Record`] is a JSON object of its own: which scene, which engine, what was asked, how it
+//! ended, the scores of every region with the protocol of every family of measures, what was used,
+//! and on which machine. It is written whole or not at all.
+
+mod machine;
+mod scoring;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use formats::{FormatError, write_atomically};
+use score::{Measure, Scores};
+use serde::Serialize;
+
+use crate::dataset::{Case, CaseData, Purpose};
+use crate::engine::{Attempt, Status, Usage, Worker};
+
+pub use machine::Machine;
+pub use scoring::{ConfidenceScore, RegionScores, score};
+
+/// One engine on one scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Record {
+    /// Version of the program that wrote this.
+    pub hazcam: &'static str,
+    /// The scene's id.
+    pub case: String,
+    /// The data set that it belongs to.
+    pub family: String,
+    /// What the scene may be used for.
+    #[serde(rename = "use")]
+    pub purpose: Purpose,
+    /// The engine's name.
+    pub engine: String,
+    /// What the engine is, in one line.
+    pub engine_description: String,
+    /// The version that it states.
+    pub engine_version: Option<String>,
+    /// Width of the images in pixels.
+    pub columns: usize,
+    /// Height of the images in pixels.
+    pub rows: usize,
+    /// `[x0, y0, x1, y1]`, inclusive: the pixels that were to be answered.
+    #[serde(rename = "box")]
+    pub bounds: [usize; 4],
+    /// Smallest disparity searched.
+    pub min_disparity: i32,
+    /// Largest disparity searched, inclusive.
+    pub max_disparity: i32,
+    /// How many threads the engine was allowed.
+    pub threads: usize,
+    /// How it ended.
+    #[serde(flatten)]
+    pub status: Status,
+    /// Which truth, which masks, what was assumed.
+    pub protocol: Vec<String>,
+    /// Scores over all pixels with truth, then over each region that has any. Empty without truth
+    /// or without an answer.
+    pub scores: Vec<Scores>,
+    /// How well the engine's confidence ranks its errors.
+    pub confidence: Option<ConfidenceScore>,
+    /// How many pixels the engine gave each reason, if it gives reasons.
+    pub reasons: BTreeMap<&'static str, usize>,
+    /// What the median run used, ranked by CPU time where that is known, else by wall time.
+    pub usage: Usage,
+    /// What each run used, in order.
+    pub runs: Vec<Usage>,
+    /// Whether all runs gave the same disparities to the last bit; `None` after a single run.
+    pub repeatable: Option<bool>,
+    /// What the engine's start used, apart from the runs.
+    pub startup: Option<Usage>,
+    /// The time in seconds that a Robust Vision program itself claims.
+    pub claimed_seconds: Option<f64>,
+    /// Where it ran.
+    pub machine: Machine,
+}
+
+impl Record {
+    /// Scores the last of `attempts`, which are runs of one engine on one scene, at least one.
+    pub fn new(
+        case: &Case,
+        data: &CaseData,
+        worker: &Worker,
+        attempts: &[Attempt],
+        machine: &Machine,
+    ) -> Self {
+        let last = attempts.last().expect("an engine runs at least once");
+        let mut status = last.status.clone();
+        let mut scored = RegionScores::default();
+        if let Some(answer) = &last.answer {
+            match score(answer, data) {
+                Ok(scores) => scored = scores,
+                Err(error) => status = Status::BadResult { message: error.to_string() },
+            }
+        }
+        let mut reasons = BTreeMap::new();
+        for reason in
+            last.answer.iter().filter_map(|a| a.reasons.as_ref()).flat_map(|r| r.samples())
+        {
+            *reasons.entry(reason.name()).or_default() += 1;
+        }
+        let runs: Vec<Usage> = attempts.iter().map(|attempt| attempt.usage).collect();
+        let definition = worker.definition();
+        Self {
+            hazcam: env!("CARGO_PKG_VERSION"),
+            case: case.id.clone(),
+            family: case.family().into(),
+            purpose: case.purpose,
+            engine: definition.name.clone(),
+            engine_description: definition.description.clone(),
+            engine_version: worker.version().map(Into::into),
+            columns: data.left.columns(),
+            rows: data.left.rows(),
+            bounds: [data.bounds.x0, data.bounds.y0, data.bounds.x1, data.bounds.y1],
+            min_disparity: data.range.min(),
+            max_disparity: data.range.max(),
+            threads: worker.threads(),
+            status,
+            protocol: data.protocol.clone(),
+            scores: scored.scores,
+            confidence: scored.confidence,
+            reasons,
+            usage: median(&runs),
+            runs,
+            repeatable: repeatable(attempts),
+            startup: worker.startup(),
+            claimed_seconds: last.claimed_seconds,
+            machine: machine.clone(),
+        }
+    }
+
+    /// The scores over a region: "all", "non-occluded", "occluded", ...
+    pub fn scores_of(&self, region: &str) -> Option<&Scores> {
+        self.scores.iter().find(|scores| scores.region == region)
+    }
+
+    /// A number by the name of its measure, over a region.
+    pub fn value(&self, region: &str, measure: &str) -> Option<f64> {
+        Measure::named(measure)?.value(self.scores_of(region)?)
+    }
+
+    /// Writes the record as JSON, whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<(), FormatError> {
+        write_atomically(path, |writer| {
+            serde_json::to_writer_pretty(&mut *writer, self)?;
+            writer.write_all(b"\n")
+        })
+    }
+}
+
+/// The run in the middle; of two in the middle the quicker one.
+fn median(runs: &[Usage]) -> Usage {
+    let time = |usage: &Usage| usage.cpu_seconds.unwrap_or(usage.wall_seconds);
+    let mut sorted = runs.to_vec();
+    sorted.sort_by(|a, b| time(a).total_cmp(&time(b)));
+    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default()
+}
+
+/// Whether all attempts have answers and all are the same bits.
+fn repeatable(attempts: &[Attempt]) -> Option<bool> {
+    let (first, rest) = attempts.split_first()?;
+    let bits = |attempt: &Attempt| -> Option<Vec<u32>> {
+        let answer = attempt.answer.as_ref()?;
+        Some(answer.disparity.samples().iter().map(|value| value.to_bits()).collect())
+    };
+    let first = bits(first)?;
+    (!rest.is_empty()).then(|| rest.iter().all(|other| bits(other).as_ref() == Some(&first)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_a_run_that_happened() {
+        let run = |cpu| Usage { cpu_seconds: Some(cpu), wall_seconds: 9.0, ..Usage::default() };
+        assert_eq!(median(&[run(3.0), run(1.0), run(2.0)]), run(2.0));
+        assert_eq!(median(&[run(3.0), run(1.0)]), run(1.0));
+        assert_eq!(median(&[]), Usage::default());
+    }
+}

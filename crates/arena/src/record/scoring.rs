@@ -1,0 +1,116 @@
+//! An answer against a scene's truth, region by region.
+
+use score::{Evaluation, RankedError, Region, ScoreError, Scores, sparsification};
+use serde::Serialize;
+
+use raster::BoundingBox;
+
+use crate::dataset::CaseData;
+use crate::engine::Answer;
+
+/// Errors above this many pixels are what a confidence should rank last.
+const RANKED_BAD: f64 = 2.0;
+
+/// How well a confidence ranks errors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConfidenceScore {
+    /// Area under the sparsification curve of bad pixels, less the least possible: 0 is perfect.
+    pub ause: f64,
+    /// `ause` over the share of bad pixels at full density; `None` without any bad pixel.
+    pub relative_ause: Option<f64>,
+    /// Area under the curve.
+    pub auc: f64,
+    /// The least possible area.
+    pub optimal_auc: f64,
+    /// What was counted, and how.
+    pub protocol: String,
+}
+
+/// Scores of one answer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RegionScores {
+    /// Over all pixels with truth, then over each region that has any.
+    pub scores: Vec<Scores>,
+    /// How well the confidence ranks errors, if there is a confidence and an estimate to rank.
+    pub confidence: Option<ConfidenceScore>,
+}
+
+/// Scores an answer inside the scene's box. Without truth there are no scores.
+pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreError> {
+    let Some(truth) = &data.truth else { return Ok(RegionScores::default()) };
+    let whole = BoundingBox::whole(data.left.columns(), data.left.rows());
+    let bounds = Some(data.bounds).filter(|bounds| *bounds != whole);
+    let highest = Some(f64::from(data.range.max())).filter(|highest| *highest > 0.0);
+    let evaluation = Evaluation::new(&answer.disparity, truth)?.clipped_to(highest);
+    let all = Region::whole().within(bounds);
+    let mut scores = vec![evaluation.scores(&all)?];
+    for region in &data.regions {
+        let selected = Region::masked(region.name, &region.mask).within(bounds);
+        let scored = match &region.truth {
+            None => evaluation.scores(&selected),
+            Some(own) => {
+                Evaluation::new(&answer.disparity, own)?.clipped_to(highest).scores(&selected)
+            }
+        };
+        match scored {
+            Ok(found) => scores.push(found),
+            // A region may well be empty: nothing is occluded on a plane.
+            Err(ScoreError::NoTruth { .. }) => {}
+            Err(other) => return Err(other),
+        }
+    }
+    let confidence = match &answer.confidence {
+        None => None,
+        Some(confidence) => {
+            let pixels = evaluation.pixels(&all)?;
+            match sparsification(&pixels, confidence, RankedError::Bad(RANKED_BAD)) {
+                Ok(found) => Some(ConfidenceScore {
+                    ause: found.ause,
+                    relative_ause: found.relative_ause,
+                    auc: found.auc,
+                    optimal_auc: found.optimal_auc,
+                    protocol: found.protocol,
+                }),
+                Err(ScoreError::NoEstimate { .. }) => None,
+                Err(other) => return Err(other),
+            }
+        }
+    };
+    Ok(RegionScores { scores, confidence })
+}
+
+#[cfg(test)]
+mod tests {
+    use raster::{DisparityRange, Image, Plane};
+
+    use super::*;
+    use crate::dataset::CaseRegion;
+
+    #[test]
+    fn regions_are_scored_inside_the_box_and_empty_ones_left_out() {
+        let image = Image::Grey8(Plane::filled(4, 1, 0));
+        let mut data = CaseData::new(image.clone(), image, DisparityRange::new(0, 9).unwrap());
+        data.bounds = BoundingBox::new(1, 0, 3, 0).unwrap();
+        data.truth = Some(Plane::filled(4, 1, 5.0));
+        let mask = |pixels: [bool; 4]| Plane::new(4, 1, pixels.to_vec()).unwrap();
+        data.add_occlusions(&mask([true, false, false, false]));
+        data.regions.push(CaseRegion {
+            name: "own truth",
+            mask: mask([false, false, true, false]),
+            truth: Some(Plane::filled(4, 1, 6.0)),
+        });
+        let answer = Answer {
+            disparity: Plane::new(4, 1, vec![99.0, 5.0, 5.5, 9.0]).unwrap(),
+            reasons: None,
+            confidence: Some(Plane::new(4, 1, vec![1.0, 0.9, 0.8, 0.1]).unwrap()),
+        };
+        let scored = score(&answer, &data).unwrap();
+        let regions: Vec<_> = scored.scores.iter().map(|s| (&s.region[..], s.pixels)).collect();
+        assert_eq!(regions, [("all", 3), ("non-occluded", 3), ("own truth", 1)]);
+        assert_eq!(scored.scores[0].course.as_ref().unwrap().p_bad, 1.0 / 3.0);
+        assert_eq!(scored.scores[2].middlebury.avgerr, Some(0.5));
+        assert_eq!(scored.confidence.unwrap().ause, 0.0, "the bad pixel is the least sure");
+        data.truth = None;
+        assert_eq!(score(&answer, &data).unwrap(), RegionScores::default());
+    }
+}

@@ -1,0 +1,61 @@
+//! Records as tables: what was measured on each scene, and what it comes to.
+//!
+//! A [`Table`] knows its columns and cells and nothing of how it is shown; [`Format`] has one file
+//! for each way to show it.
+
+mod csv;
+mod json;
+mod markdown;
+mod scores;
+mod summary;
+mod table;
+mod text;
+
+use std::fmt;
+use std::str::FromStr;
+
+pub use json::to_json;
+pub use scores::{Failure, LEGEND, failures, scores_table};
+pub use summary::{Summary, summaries, summary_table};
+pub use table::{Cell, Column, Table};
+
+/// How a table is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Format {
+    /// Aligned columns for the terminal.
+    #[default]
+    Text,
+    /// A Markdown table.
+    Markdown,
+    /// Comma-separated values with all their digits (RFC 4180).
+    Csv,
+    /// The records themselves.
+    Json,
+}
+
+impl Format {
+    /// Every format's name.
+    pub const NAMES: [&'static str; 4] = ["text", "markdown", "csv", "json"];
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        [Self::Text, Self::Markdown, Self::Csv, Self::Json]
+            .into_iter()
+            .find(|format| format.name() == text)
+            .ok_or_else(|| format!("`{text}` is no format; it must be {}", Self::NAMES.join(", ")))
+    }
+}

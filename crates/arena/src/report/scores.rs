@@ -1,0 +1,103 @@
+//! One row for each scene, engine and region.
+
+use super::table::{Cell, Column, Table};
+use crate::record::Record;
+
+/// The measures of the table: name, heading, factor to the heading's unit, digits.
+const MEASURES: [(&str, &str, f64, usize); 9] = [
+    ("E_RMS", "E_RMS", 1.0, 2),
+    ("p_bad", "p_bad", 1.0, 4),
+    ("bad0.5", "bad0.5 %", 100.0, 2),
+    ("bad1", "bad1 %", 100.0, 2),
+    ("bad2", "bad2 %", 100.0, 2),
+    ("bad4", "bad4 %", 100.0, 2),
+    ("avgerr", "avgerr", 1.0, 2),
+    ("D1", "D1 %", 100.0, 2),
+    ("density", "density %", 100.0, 1),
+];
+
+/// The regions of the table, with their short names.
+const REGIONS: [(&str, &str); 2] = [("all", "all"), ("non-occluded", "noc")];
+
+/// Scores over all pixels and over the non-occluded ones, with times and memory in the first row of
+/// each pair.
+///
+/// E_RMS and average error are in pixels; p_bad is a share from 0 to 1, as the course gives it.
+pub fn scores_table(records: &[Record]) -> Table {
+    let first = [Column::grouped("scene"), Column::grouped("matcher"), Column::new("pixels")];
+    let measures = MEASURES.map(|(_, heading, ..)| Column::new(heading));
+    let last = ["CPU ms", "wall ms", "MB", "status"].map(Column::new);
+    let columns = first.into_iter().chain(measures).chain(last).collect();
+    let mut table = Table { columns, rows: Vec::new() };
+    for record in records {
+        for (region, short) in REGIONS {
+            // The first row stands even without scores: it says how the engine fared.
+            if region == "all" || record.scores_of(region).is_some() {
+                table.push(row(record, region, short));
+            }
+        }
+    }
+    table
+}
+
+fn row(record: &Record, region: &str, short: &str) -> Vec<Cell> {
+    let mut row = vec![
+        Cell::text(&record.case),
+        Cell::text(&record.engine),
+        match record.scores_of(region) {
+            Some(_) => Cell::text(short),
+            None => Cell::Empty,
+        },
+    ];
+    row.extend(MEASURES.map(|(name, _, factor, digits)| {
+        Cell::number(record.value(region, name).map(|value| value * factor), digits)
+    }));
+    if region == "all" {
+        let usage = &record.usage;
+        row.push(Cell::number(usage.cpu_seconds.map(|seconds| seconds * 1e3), 1));
+        row.push(Cell::Number(usage.wall_seconds * 1e3, 1));
+        row.push(Cell::number(usage.peak_memory_bytes.map(|bytes| bytes as f64 / 1e6), 0));
+        row.push(Cell::text(record.status.name()));
+    } else {
+        row.extend([Cell::text(""), Cell::text(""), Cell::text(""), Cell::text("")]);
+    }
+    row
+}
+
+/// What the table's numbers mean, a line for each, to be printed beside it.
+pub const LEGEND: [&str; 6] = [
+    "all: pixels of the box (without one, of the whole image) with known truth; noc: those of them \
+     that both cameras see",
+    "E_RMS, p_bad (course): in px, and the share of errors > 2 px; a hole counts as disparity 0, \
+     and as bad",
+    "bad T (Middlebury): errors > T px and holes; avgerr: mean error in px of the estimates, both \
+     clipped to the range",
+    "D1 (KITTI): errors > 3 px and > 5 %, holes filled from the background first",
+    "density: pixels with an estimate",
+    "CPU, wall, MB: the engine's process as seen from outside, from sending the pair to its \
+     answer; MB is its peak",
+];
+
+/// What came of an engine that gave no answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// The scene.
+    pub case: String,
+    /// The engine.
+    pub engine: String,
+    /// Its status with its message.
+    pub status: String,
+}
+
+/// Every record without an answer.
+pub fn failures(records: &[Record]) -> Vec<Failure> {
+    records
+        .iter()
+        .filter(|record| record.status.message().is_some())
+        .map(|record| Failure {
+            case: record.case.clone(),
+            engine: record.engine.clone(),
+            status: record.status.to_string(),
+        })
+        .collect()
+}

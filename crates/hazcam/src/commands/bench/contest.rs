@@ -1,0 +1,111 @@
+//! Engines against each other on the same scenes, with progress, and what comes of it.
+
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+
+use arena::dataset::Case;
+use arena::record::Machine;
+use arena::run::{self, Event, Outcome, Plan};
+use matching::{Level, Preset};
+
+use super::engines::EngineArguments;
+use super::output::Output;
+use crate::cli;
+use crate::ui::Ui;
+
+/// Runs the engines on the cases, keeps and prints the results.
+///
+/// The status is 0 when every scene could be read and every matcher of hazcam's own has answered:
+/// another engine's failure is a row in the table.
+pub fn run(
+    cases: Vec<Case>,
+    engines: &EngineArguments,
+    output: &Output,
+    reference: Option<&str>,
+    ui: &Ui,
+) -> anyhow::Result<ExitCode> {
+    let plan = Plan {
+        cases,
+        engines: engines.definitions(reference)?,
+        programs: EngineArguments::programs()?,
+        limits: engines.limits(),
+        threads: engines.threads,
+        repeats: engines.repeats(),
+        machine: Machine::this(Level::chosen().ok().map(|level| level.name().into())),
+    };
+    let outcome = conduct(&plan, output, ui)?;
+    ui.print(&output.finish(&outcome.records, reference)?)?;
+    if let Some(place) = output.place() {
+        ui.note(place);
+    }
+    let own_failed = outcome.records.iter().any(|record| {
+        record.status.message().is_some() && Preset::ALL.iter().any(|p| p.name() == record.engine)
+    });
+    Ok(match own_failed || outcome.unreadable > 0 || outcome.records.is_empty() {
+        true => cli::ERROR.into(),
+        false => ExitCode::SUCCESS,
+    })
+}
+
+fn conduct(plan: &Plan, output: &Output, ui: &Ui) -> anyhow::Result<Outcome> {
+    let bar = ui.progress((plan.cases.len() * plan.engines.len()) as u64);
+    let mut failure = None;
+    let mut absent: Vec<(String, String)> = Vec::new();
+    let outcome = run::run(plan, |event| {
+        match event {
+            Event::EngineAbsent { engine, message } => {
+                absent.push((engine.name.clone(), message.into()));
+                bar.set_length(bar.length().unwrap_or(0).saturating_sub(plan.cases.len() as u64));
+            }
+            Event::CaseUnreadable { case, error } => {
+                bar.suspend(|| ui.warn(format_args!("{} is left out: {error}", case.id)));
+                bar.inc((plan.engines.len() - absent.len()) as u64);
+            }
+            Event::Begins { case, engine } => {
+                bar.set_message(format!("{}, {}", case.id, engine.name));
+            }
+            Event::Finished { case, data, record, answer } => {
+                bar.inc(1);
+                if let Err(error) = output.keep(case, data, record, answer) {
+                    failure = Some(error);
+                    return ControlFlow::Break(());
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    })?;
+    bar.finish_and_clear();
+    for (names, message) in by_message(absent) {
+        ui.warn(format_args!("left out: {}: {message}", names.join(", ")));
+    }
+    match failure {
+        Some(error) => Err(error),
+        None => Ok(outcome),
+    }
+}
+
+/// Names that share a message, in order: what one missing package silences is one line.
+fn by_message(absent: Vec<(String, String)>) -> Vec<(Vec<String>, String)> {
+    let mut groups: Vec<(Vec<String>, String)> = Vec::new();
+    for (name, message) in absent {
+        match groups.iter_mut().find(|(_, known)| *known == message) {
+            Some((names, _)) => names.push(name),
+            None => groups.push((vec![name], message)),
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_missing_package_is_one_line() {
+        let absent = [("a", "no cv2"), ("b", "no python"), ("c", "no cv2")]
+            .map(|(name, message)| (name.to_owned(), message.to_owned()));
+        let groups = by_message(absent.to_vec());
+        assert_eq!(groups.len(), 2);
+        assert_eq!(groups[0], (vec!["a".to_owned(), "c".to_owned()], "no cv2".to_owned()));
+    }
+}

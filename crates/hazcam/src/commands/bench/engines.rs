@@ -1,0 +1,94 @@
+//! Which engines run, and how.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use arena::engine::{Definition, Engines, Limits, Programs};
+use glob::Pattern;
+use matching::Preset;
+
+use crate::arguments;
+
+/// The matchers that take part, and what they are allowed.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Matchers")]
+pub struct EngineArguments {
+    /// Which of hazcam's own matchers run: fast, balanced, best, or none [default: all]
+    #[arg(short, long, value_name = "NAME", value_delimiter = ',')]
+    #[arg(value_parser = super::super::choice(["fast", "balanced", "best", "none"]))]
+    matcher: Vec<String>,
+
+    /// Other engines that run as well, by name; `*` and `?` as in a shell
+    #[arg(short, long, value_name = "NAME", value_delimiter = ',')]
+    engine: Vec<String>,
+
+    /// A folder with engines of your own, one TOML file each
+    #[arg(long, value_name = "DIR", env = "HAZCAM_ENGINES", hide_env_values = true)]
+    engines: Option<PathBuf>,
+
+    /// Threads that each engine may use
+    #[arg(long, value_name = "N", default_value = "1", value_parser = arguments::threads)]
+    pub threads: usize,
+
+    /// How often each pair is matched; the times of the median run are shown
+    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repeat: u32,
+
+    /// Seconds (wall time) after which an engine is killed
+    #[arg(long, value_name = "S", default_value = "600")]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    time_limit: u64,
+}
+
+impl EngineArguments {
+    /// The engines in the order of their tables; `reference` joins them.
+    pub fn definitions(&self, reference: Option<&str>) -> anyhow::Result<Vec<Definition>> {
+        let mut known = Engines::built_in();
+        if let Some(folder) = &self.engines {
+            known.add_folder(folder)?;
+        }
+        let own = Preset::ALL.map(Preset::name);
+        let mut wanted: Vec<&str> = match self.matcher.is_empty() {
+            true => own.to_vec(),
+            false => self.matcher.iter().map(String::as_str).filter(|n| *n != "none").collect(),
+        };
+        for name in &self.engine {
+            let pattern = Pattern::new(name).with_context(|| format!("--engine {name}"))?;
+            let before = wanted.len();
+            wanted.extend(known.iter().map(|e| e.name.as_str()).filter(|n| pattern.matches(n)));
+            if wanted.len() == before {
+                known.named(name)?;
+            }
+        }
+        wanted.extend(reference);
+        let mut definitions: Vec<Definition> = Vec::new();
+        for name in wanted {
+            let definition = known.named(name)?;
+            if !definitions.contains(definition) {
+                definitions.push(definition.clone());
+            }
+        }
+        if definitions.is_empty() {
+            bail!("no matcher is left to run: name one with --matcher or --engine");
+        }
+        Ok(definitions)
+    }
+
+    /// The programs that engines may refer to: this one, and Python.
+    pub fn programs() -> anyhow::Result<Programs> {
+        let this = std::env::current_exe().context("cannot find this program's own file")?;
+        Ok(Programs::find(this))
+    }
+
+    /// How long a pair may take.
+    pub fn limits(&self) -> Limits {
+        Limits { wall: Duration::from_secs(self.time_limit), ..Limits::default() }
+    }
+
+    /// How often each pair is matched.
+    pub fn repeats(&self) -> usize {
+        self.repeat as usize
+    }
+}

@@ -1,0 +1,40 @@
+//! Rendered scenes as cases: the arena does not know how to render.
+
+use arena::dataset::{Case, CaseData, CaseRegion};
+use scenes::{Scene, Settings, render};
+
+/// The scenes of `hazcam demo`.
+pub fn demo() -> Vec<Case> {
+    let named = |settings: Settings| case(format!("demo/{}", settings.name()), settings);
+    scenes::demo_scenes().into_iter().map(named).collect()
+}
+
+/// The scenes of `hazcam bench --stress`, one family for each assumption that is strained.
+pub fn stress() -> Vec<Case> {
+    let named = |(label, settings): (String, Settings)| {
+        case(format!("stress/{}", label.replace([' ', '/'], "-")), settings)
+    };
+    scenes::stress_scenes().into_iter().map(named).collect()
+}
+
+fn case(id: String, settings: Settings) -> Case {
+    Case::rendered(id, move || match render(&settings) {
+        Ok(scene) => Ok(data(scene)),
+        Err(error) => Err(error.to_string()),
+    })
+}
+
+fn data(scene: Scene) -> CaseData {
+    let mut data = CaseData::new(scene.left, scene.right, scene.range);
+    data.truth = Some(scene.truth_left);
+    data.add_occlusions(&scene.occluded);
+    for (name, mask) in [("discontinuity", scene.discontinuity), ("textureless", scene.textureless)]
+    {
+        data.regions.push(CaseRegion { name, mask, truth: None });
+    }
+    data.protocol = vec![
+        format!("rendered ({}), exact truth of every pixel", scene.name),
+        "whole image, the left strip included".into(),
+    ];
+    data
+}

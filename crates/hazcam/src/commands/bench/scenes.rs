@@ -1,0 +1,71 @@
+//! Which scenes on disk take part.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use arena::dataset::{self, Case, Purpose};
+use glob::Pattern;
+
+/// The scenes that take part.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Scenes")]
+pub struct SceneArguments {
+    /// Folder with the data sets: a scenes.json, or the layouts of the course, Middlebury, ETH3D,
+    /// KITTI
+    #[arg(long, value_name = "DIR", env = "HAZCAM_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
+
+    /// Only scenes whose id matches, `*` and `?` as in a shell
+    #[arg(long, value_name = "GLOB")]
+    pub scenes: Option<String>,
+
+    /// Only scenes of this use [default: all that have truth]
+    #[arg(long = "use", value_name = "USE", id = "purpose")]
+    #[arg(value_parser = super::super::choice(["test", "tuning", "rover"]))]
+    purpose: Option<String>,
+}
+
+impl SceneArguments {
+    /// The chosen scenes, the course's first. Without `--use`, those of `default`.
+    pub fn cases(&self, default: &[Purpose]) -> anyhow::Result<Vec<Case>> {
+        let Some(folder) = self.data.as_ref().filter(|folder| !folder.as_os_str().is_empty())
+        else {
+            bail!(
+                "there is no data: HAZCAM_DATA is not set and --data is not given; point either at \
+                 a folder with Middlebury (vision.middlebury.edu/stereo/data), KITTI \
+                 (cvlibs.net/datasets/kitti) or ETH3D (eth3d.net) scenes as they unpack, or run \
+                 `hazcam demo`, which needs none"
+            );
+        };
+        let mut cases = dataset::open(folder)?;
+        match &self.purpose {
+            Some(purpose) => {
+                let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;
+                cases.retain(|case| case.purpose == purpose);
+            }
+            None => cases.retain(|case| default.contains(&case.purpose) && case.has_truth()),
+        }
+        if cases.is_empty() {
+            bail!("{} has no scene of the use that was asked for", folder.display());
+        }
+        matching(cases, self.scenes.as_deref())
+    }
+}
+
+/// The cases whose id matches. Errors when none does, naming some that there are.
+pub fn matching(cases: Vec<Case>, pattern: Option<&str>) -> anyhow::Result<Vec<Case>> {
+    let Some(text) = pattern else { return Ok(cases) };
+    let pattern = Pattern::new(text).with_context(|| format!("--scenes {text}"))?;
+    let (chosen, rest): (Vec<_>, Vec<_>) =
+        cases.into_iter().partition(|case| pattern.matches(&case.id));
+    if chosen.is_empty() {
+        let known: Vec<_> = rest.iter().take(6).map(|case| case.id.as_str()).collect();
+        let more = rest.len().saturating_sub(known.len());
+        bail!(
+            "no scene matches `{text}`; there are {}{}",
+            known.join(", "),
+            if more > 0 { format!(" and {more} more") } else { String::new() }
+        );
+    }
+    Ok(chosen)
+}

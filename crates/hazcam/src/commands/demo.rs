@@ -1,0 +1,40 @@
+//! `hazcam demo`: rendered scenes, every matcher, a table and pictures, without any data.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::bench::engines::EngineArguments;
+use super::bench::output::Output;
+use super::bench::{contest, rendered, scenes};
+use crate::ui::Ui;
+
+/// Render scenes with exact truth, run every matcher on them, and show how well they do
+///
+/// For each scene the folder holds the left image, the true disparities (turbo), and for each
+/// matcher its disparities, its errors in KITTI's colours (blue is right, red is wrong, dark is
+/// seen by one camera only) and a JSON record.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  hazcam demo
+  hazcam demo --matcher fast,best --out /tmp/demo
+  hazcam demo --engine 'opencv-*' --scenes '*mars*'")]
+pub struct Args {
+    /// Folder for pictures and records; it is made if it is not there
+    #[arg(short, long, value_name = "DIR", default_value = "hazcam-demo")]
+    out: PathBuf,
+
+    /// Only scenes whose id matches, `*` and `?` as in a shell
+    #[arg(long, value_name = "GLOB")]
+    scenes: Option<String>,
+
+    #[command(flatten)]
+    engines: EngineArguments,
+}
+
+/// Renders, matches, shows.
+pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let cases = scenes::matching(rendered::demo(), args.scenes.as_deref())?;
+    let output = Output::in_folder(args.out, true)?;
+    contest::run(cases, &args.engines, &output, None, ui)
+}
