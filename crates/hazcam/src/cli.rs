@@ -50,7 +50,7 @@ macro_rules! commands {
         }
 
         impl Command {
-            /// The headings of `hazcam --help`, and how many commands stand under each.
+            /// The headings of `hazcam --help` with the variants that stand under each.
             const GROUPS: &[(&str, &[&str])] =
                 &[$(($group, &[$(stringify!($variant),)+])),+];
 
@@ -75,11 +75,14 @@ commands! {
         Bench => bench,
         Engine => engine,
     }
+    "Grading" {
+        Grade => grade,
+        #[command(hide = true)] SandboxExec => sandbox_exec,
+    }
     "This installation" {
         Doctor => doctor,
         Completions => completions,
         Man => man,
-        #[command(hide = true)] SandboxExec => sandbox_exec,
     }
 }
 

@@ -62,7 +62,10 @@ impl Reason {
     pub fn has_value(self) -> bool {
         matches!(
             self,
-            Self::Matched | Self::OccludedFilled | Self::MismatchedFilled | Self::OutsideRightFilled
+            Self::Matched
+                | Self::OccludedFilled
+                | Self::MismatchedFilled
+                | Self::OutsideRightFilled
         )
     }
 }

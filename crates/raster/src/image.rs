@@ -55,9 +55,7 @@ impl Image {
         match self {
             Self::Grey8(p) => Grey::Depth8(p.clone()),
             Self::Grey16(p) => Grey::Depth16(p.clone()),
-            Self::Rgb8(p) => {
-                Grey::Depth8(p.map(|c| ((luma(c.map(u32::from)) + 500) / 1000) as u8))
-            }
+            Self::Rgb8(p) => Grey::Depth8(p.map(|c| ((luma(c.map(u32::from)) + 500) / 1000) as u8)),
             Self::Rgb16(p) => {
                 Grey::Depth16(p.map(|c| ((luma(c.map(u32::from)) + 500) / 1000) as u16))
             }

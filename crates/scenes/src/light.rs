@@ -8,9 +8,11 @@
 use crate::geometry::Ray;
 use crate::noise::fractal;
 use crate::number::{exp2, greatest, smoothstep};
-use crate::random::hash;
+use crate::random::{hash, salt};
 use crate::vector::{Vector, vector};
 use crate::world::{Hit, World};
+
+const CLOUDS: u64 = salt("clouds");
 
 /// Light and sky. Colours are linear red, green, blue; 1 is the brightest that the sensor holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +58,7 @@ impl Sky {
         if self.clouds > 0.0 && d.z > 0.0 {
             // Where the ray passes a layer one unit up; far clouds are seen flat.
             let p = vector(d.x / (d.z + 0.1), d.y / (d.z + 0.1), 0.0);
-            let thick = fractal(p, 1.4, 5, 0.55, footprint / (d.z + 0.1), seed ^ 0x636c_6f75_64);
+            let thick = fractal(p, 1.4, 5, 0.55, footprint / (d.z + 0.1), seed ^ CLOUDS);
             let cover = smoothstep(0.3 - self.clouds, 0.9 - self.clouds, thick);
             colour = colour.mix(vector(0.9, 0.9, 0.92), cover * smoothstep(0.0, 0.15, d.z));
         }

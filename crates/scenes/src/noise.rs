@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn noise_is_bounded_centred_and_smooth() {
-        let mut random = Random::new(3, 0);
+        let mut random = Random::new(3, "test");
         let (mut sum, mut squares) = (0.0, 0.0);
         let n = 20_000;
         for _ in 0..n {

@@ -35,6 +35,19 @@ pub(crate) fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
     mix(seed.wrapping_add(key(x, y, z)))
 }
 
+/// A word as a number, to keep the numbers that one seed gives for different purposes apart: FNV-1a
+/// (Fowler, Noll & Vo) of its bytes.
+pub(crate) const fn salt(word: &str) -> u64 {
+    let bytes = word.as_bytes();
+    let mut hash = 0xcbf2_9ce4_8422_2325u64;
+    let mut i = 0;
+    while i < bytes.len() {
+        hash = (hash ^ bytes[i] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+        i += 1;
+    }
+    hash
+}
+
 /// A hash as a number in [0, 1), from its upper 53 bits.
 #[inline]
 pub(crate) fn unit(hash: u64) -> f64 {
@@ -59,9 +72,9 @@ pub(crate) struct Random {
 }
 
 impl Random {
-    /// The stream of a seed. `purpose` keeps streams of one seed apart.
-    pub fn new(seed: u64, purpose: u64) -> Self {
-        Self { state: mix(seed ^ mix(purpose.wrapping_add(GOLDEN))) }
+    /// The stream of a seed. The purpose keeps streams of one seed apart.
+    pub fn new(seed: u64, purpose: &str) -> Self {
+        Self { state: mix(seed ^ salt(purpose)) }
     }
 
     /// 64 random bits.
@@ -135,6 +148,14 @@ mod tests {
     }
 
     #[test]
+    fn salt_is_fnv_1a() {
+        // The published test vectors of the 64-bit hash.
+        assert_eq!(salt(""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(salt("a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(salt("foobar"), 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
     fn normal_has_its_moments() {
         let n = 40_000;
         let (mut sum, mut squares) = (0.0, 0.0);
@@ -159,7 +180,7 @@ mod tests {
 
     #[test]
     fn below_stays_below() {
-        let mut random = Random::new(0, 0);
+        let mut random = Random::new(0, "test");
         assert!((0..1000).all(|_| random.below(3) < 3));
     }
 }

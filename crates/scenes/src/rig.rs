@@ -114,12 +114,6 @@ impl Rig {
     pub fn disparity(&self, depth: f64) -> f64 {
         self.focal * self.baseline / depth - self.doffs
     }
-
-    /// The depth of points with this disparity.
-    #[inline]
-    pub fn depth(&self, disparity: f64) -> f64 {
-        self.focal * self.baseline / (disparity + self.doffs)
-    }
 }
 
 #[cfg(test)]
@@ -141,6 +135,5 @@ mod tests {
         let d = rig.disparity(depth);
         let other = rig.ray(Side::Right, 101.25 - d, 37.5 + 1.5).at(depth);
         assert!((point - other).length() < 1e-12);
-        assert!((rig.depth(d) - depth).abs() < 1e-12);
     }
 }

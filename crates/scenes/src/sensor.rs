@@ -11,7 +11,7 @@
 use raster::{Image, Plane};
 
 use crate::number::{greatest, least, power};
-use crate::random::{hash, normal};
+use crate::random::{hash, normal, salt};
 use crate::rig::Side;
 use crate::settings::{Channels, Depth, Settings};
 use crate::vector::Vector;
@@ -31,9 +31,9 @@ pub(crate) struct Sensor {
 impl Sensor {
     pub fn new(settings: &Settings, side: Side) -> Self {
         let (exposure, gamma, gain, salt) = match side {
-            Side::Left => (1.0, 1.0, 1.0, 0x6c65_6674),
+            Side::Left => (1.0, 1.0, 1.0, salt("left")),
             Side::Right => {
-                (settings.right_exposure, settings.right_gamma, settings.right_gain, 0x7269_6768_74)
+                (settings.right_exposure, settings.right_gamma, settings.right_gain, salt("right"))
             }
         };
         Self {

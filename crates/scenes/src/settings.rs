@@ -170,8 +170,8 @@ impl Settings {
             ("right_gain", self.right_gain, 0.0, 64.0),
             ("vertical_offset", self.vertical_offset, -64.0, 64.0),
         ] {
-            // Written so that a NaN is refused too.
-            if !(value >= low && value <= high) {
+            // A NaN is in no range.
+            if !(low..=high).contains(&value) {
                 let allowed = format!("it must be from {low} to {high}");
                 return Err(SettingsError::new(field, value, allowed));
             }

@@ -7,8 +7,11 @@
 
 use crate::noise::{fractal, gradient, resolved};
 use crate::number::{greatest, least, smoothstep};
-use crate::random::{hash, unit};
+use crate::random::{hash, salt, unit};
 use crate::vector::{Vector, vector};
+
+const GRAIN: u64 = salt("grain");
+const TILTS: [u64; 3] = [salt("tilt x"), salt("tilt y"), salt("tilt z")];
 
 /// How dark and light alternate. Lengths are in metres in the object's own axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,7 +110,7 @@ impl Material {
     /// How the grain tilts the surface: added to a normal of length 1.
     pub fn bump(&self, p: Vector, footprint: f64, seed: u64) -> Vector {
         let along = |salt: u64| fractal(p, self.grain_size, 1, 1.0, footprint, seed ^ salt);
-        vector(along(0x7831), along(0x7932), along(0x7a33)) * (3.0 * self.relief)
+        vector(along(TILTS[0]), along(TILTS[1]), along(TILTS[2])) * (3.0 * self.relief)
     }
 
     /// The colour at a point in the object's own axes. `contrast` 0 leaves the mean colour.
@@ -118,7 +121,7 @@ impl Material {
         if self.grain == 0.0 {
             return colour;
         }
-        let grain = fractal(p, self.grain_size, 3, 0.8, footprint, seed ^ 0x6772_6169_6e);
+        let grain = fractal(p, self.grain_size, 3, 0.8, footprint, seed ^ GRAIN);
         colour * greatest(1.0 + contrast * self.grain * 2.0 * grain, 0.0)
     }
 }

@@ -23,8 +23,8 @@ _ERRORS = (
     (
         "IndexError",
         r"out of bounds",
-        "the box reaches near the edges of the image: a window around its pixels, or a pixel d "
-        "columns to the left, may lie outside; clip the index, or pad the image",
+        "every scene has its own size, box and maxd: take sizes from Il.shape, bbox and maxd, and "
+        "keep windows, and the pixel d columns to the left, inside of the image",
     ),
     (
         "ValueError",

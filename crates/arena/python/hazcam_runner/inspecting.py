@@ -47,7 +47,8 @@ def _look(path, name):
         yield None, "it is no Python source: {}".format(error), True
         return
     yield from _signature(tree, name)
-    yield from _older_names(tree)
+    advice = list(_stand_ins(tree)) + list(_older_names(tree))
+    yield from sorted(advice, key=lambda each: each[0])
 
 
 def _signature(tree, name):
@@ -84,6 +85,25 @@ def _may_come_from_elsewhere(tree, name):
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name == name:
             return True
     return False
+
+
+def _stand_ins(tree):
+    seen = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names = [each.name for each in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names = [node.module]
+        else:
+            continue
+        for name in (each.split(".")[0] for each in names):
+            if name not in seen and older.stands_in(name):
+                seen.add(name)
+                text = (
+                    "{} is not installed where this is graded; importing it is fine, using it is "
+                    "an error".format(name)
+                )
+                yield node.lineno, text, False
 
 
 def _older_names(tree):

@@ -128,11 +128,7 @@ impl Grader<'_> {
         attempt: Attempt,
         second: Option<Attempt>,
     ) -> TestResult {
-        let mut remarks: Vec<String> = attempt
-            .log
-            .lines()
-            .filter_map(|line| line.strip_prefix("hazcam: ").map(str::to_owned))
-            .collect();
+        let mut remarks = Vec::new();
         let (disparity, scores) = match attempt.result {
             Ok(answer) => answer,
             Err(failure) => {

@@ -28,7 +28,7 @@ pub(super) fn judge(ended: &Ended, start_limit: Duration) -> Result<(), Failure>
     Err(match &ended.status {
         Status::Done => return Ok(()),
         Status::Failed { message } => from_runner(message),
-        Status::Timeout { message } => Failure::new(Outcome::To, message),
+        Status::Timeout { message } => Failure::new(Outcome::To, timed_out(message)),
         Status::BadResult { message } => Failure::new(Outcome::Bad, message),
         Status::ProtocolError { message } => Failure::new(
             Outcome::Bad,
@@ -38,6 +38,14 @@ pub(super) fn judge(ended: &Ended, start_limit: Duration) -> Result<(), Failure>
         Status::Crashed { message } => crashed(message),
         Status::NotReady { message } => not_ready(message, start_limit),
     })
+}
+
+fn timed_out(message: &str) -> String {
+    let hint = match message.contains(" of CPU time ") {
+        true => "loops over pixels in plain Python are slow: let numpy work on whole images",
+        false => "it waits or sleeps instead of computing, or the machine is very busy",
+    };
+    format!("{message}\nhint: {hint}")
 }
 
 /// The runner puts the outcome's code before its message; other engines know no codes.

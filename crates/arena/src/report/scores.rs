@@ -1,6 +1,7 @@
 //! One row for each scene, engine and region.
 
 use super::table::{Cell, Column, Table};
+use crate::engine::Status;
 use crate::record::Record;
 
 /// The measures of the table: name, heading, factor to the heading's unit, digits.
@@ -20,20 +21,29 @@ const MEASURES: [(&str, &str, f64, usize); 9] = [
 const REGIONS: [(&str, &str); 2] = [("all", "all"), ("non-occluded", "noc")];
 
 /// Scores over all pixels and over the non-occluded ones, with times and memory in the first row of
-/// each pair.
+/// each pair. There is a column for the status when some engine has no answer.
 ///
 /// E_RMS and average error are in pixels; p_bad is a share from 0 to 1, as the course gives it.
 pub fn scores_table(records: &[Record]) -> Table {
     let first = [Column::grouped("scene"), Column::grouped("matcher"), Column::new("pixels")];
     let measures = MEASURES.map(|(_, heading, ..)| Column::new(heading));
-    let last = ["CPU ms", "wall ms", "MB", "status"].map(Column::new);
-    let columns = first.into_iter().chain(measures).chain(last).collect();
+    let last = ["CPU ms", "wall ms", "MB"].map(Column::new);
+    let mut columns: Vec<_> = first.into_iter().chain(measures).chain(last).collect();
+    // Where all is well the column would only say so.
+    let with_status = records.iter().any(|record| record.status != Status::Done);
+    if with_status {
+        columns.push(Column::new("status"));
+    }
     let mut table = Table { columns, rows: Vec::new() };
     for record in records {
         for (region, short) in REGIONS {
             // The first row stands even without scores: it says how the engine fared.
             if region == "all" || record.scores_of(region).is_some() {
-                table.push(row(record, region, short));
+                let mut row = row(record, region, short);
+                if with_status {
+                    row.push(Cell::text(if region == "all" { record.status.name() } else { "" }));
+                }
+                table.push(row);
             }
         }
     }
@@ -57,9 +67,8 @@ fn row(record: &Record, region: &str, short: &str) -> Vec<Cell> {
         row.push(Cell::number(usage.cpu_seconds.map(|seconds| seconds * 1e3), 1));
         row.push(Cell::Number(usage.wall_seconds * 1e3, 1));
         row.push(Cell::number(usage.peak_memory_bytes.map(|bytes| bytes as f64 / 1e6), 0));
-        row.push(Cell::text(record.status.name()));
     } else {
-        row.extend([Cell::text(""), Cell::text(""), Cell::text(""), Cell::text("")]);
+        row.extend([Cell::text(""), Cell::text(""), Cell::text("")]);
     }
     row
 }

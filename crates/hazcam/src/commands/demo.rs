@@ -36,5 +36,5 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let cases = scenes::matching(rendered::demo(), args.scenes.as_deref())?;
     let output = Output::in_folder(args.out, true)?;
-    contest::run(cases, &args.engines, &output, None, ui)
+    contest::run(cases, &args.engines, output, None, ui)
 }

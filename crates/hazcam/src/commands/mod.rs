@@ -6,6 +6,7 @@ pub mod demo;
 pub mod doctor;
 pub mod engine;
 pub mod explain;
+pub mod grade;
 pub mod info;
 pub mod man;
 pub mod match_pair;

@@ -8,7 +8,7 @@ use std::ops::Range;
 use raster::{BoundingBox, DisparityRange};
 
 /// Costs of one row are computed for a multiple of this many disparities: whole vectors.
-const LANES: usize = 16;
+const LANES: usize = 32;
 
 /// The columns of the left image that are answered, and the disparities that can be tried there.
 ///

@@ -152,7 +152,7 @@ mod tests {
     /// back along the ray meets the same point, and closed shapes are left where they were entered.
     #[test]
     fn meetings_lie_on_the_surface_and_in_the_bounds() {
-        let mut random = Random::new(11, 0);
+        let mut random = Random::new(11, "test");
         for round in 0..5 {
             for shape in shapes(&mut random) {
                 let bounds = shape.bounds();

@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_tree_finds_what_asking_everyone_finds() {
-        let mut random = Random::new(2, 0);
+        let mut random = Random::new(2, "test");
         for count in [0, 1, 2, 3, 7, 300] {
             let shapes: Vec<Shape> = (0..count)
                 .map(|_| Sphere::new(random.direction() * random.between(1.0, 5.0), 0.3).into())

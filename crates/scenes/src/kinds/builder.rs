@@ -21,7 +21,7 @@ pub(super) struct Builder {
 
 impl Builder {
     /// An empty scene whose largest disparity is at depth `near`.
-    pub fn new(settings: &Settings, purpose: u64, pose: Pose, focal: f64, near: f64) -> Self {
+    pub fn new(settings: &Settings, purpose: &str, pose: Pose, focal: f64, near: f64) -> Self {
         Self {
             random: Random::new(settings.seed, purpose),
             rig: Rig::new(settings, pose, focal, near),

@@ -18,7 +18,7 @@ const CARDS: usize = 14;
 const NEAR: f64 = 1.0;
 
 pub(super) fn build(settings: &Settings) -> Stage {
-    let mut random = Random::new(settings.seed, 0x6361_7264_73);
+    let mut random = Random::new(settings.seed, "cards");
     let pose = Pose::looking_ahead(vector(0.0, 0.0, 0.0), 0.0);
     let focal = settings.columns.max(settings.rows) as f64;
     let rig = Rig::new(settings, pose, focal, NEAR);

@@ -57,8 +57,8 @@ pub(super) fn check(
     per_row: f64,
 ) -> Result<(), SettingsError> {
     for (field, slope) in [("per_column", per_column), ("per_row", per_row)] {
-        // Written so that a NaN is refused too.
-        if !(slope.abs() <= STEEPEST) {
+        // A NaN is in no range.
+        if !(-STEEPEST..=STEEPEST).contains(&slope) {
             let allowed = format!("it must be from -{STEEPEST} to {STEEPEST} pixels per pixel");
             return Err(SettingsError::new(field, slope, allowed));
         }

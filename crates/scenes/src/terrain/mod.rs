@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn rays_meet_the_ground_where_a_fine_march_does() {
         let ground = hills(3);
-        let mut random = Random::new(4, 0);
+        let mut random = Random::new(4, "test");
         let mut met = 0;
         for _ in 0..300 {
             let origin = vector(random.between(-3.0, 3.0), random.between(-1.0, 5.0), 6.0);

@@ -20,7 +20,7 @@ use crate::ui::Ui;
 pub fn run(
     cases: Vec<Case>,
     engines: &EngineArguments,
-    output: &Output,
+    mut output: Output,
     reference: Option<&str>,
     ui: &Ui,
 ) -> anyhow::Result<ExitCode> {
@@ -33,7 +33,7 @@ pub fn run(
         repeats: engines.repeats(),
         machine: Machine::this(Level::chosen().ok().map(|level| level.name().into())),
     };
-    let outcome = conduct(&plan, output, ui)?;
+    let outcome = conduct(&plan, &mut output, ui)?;
     ui.print(&output.finish(&outcome.records, reference)?)?;
     if let Some(place) = output.place() {
         ui.note(place);
@@ -47,7 +47,7 @@ pub fn run(
     })
 }
 
-fn conduct(plan: &Plan, output: &Output, ui: &Ui) -> anyhow::Result<Outcome> {
+fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome> {
     let bar = ui.progress((plan.cases.len() * plan.engines.len()) as u64);
     let mut failure = None;
     let mut absent: Vec<(String, String)> = Vec::new();

@@ -78,5 +78,5 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         None => Output::default(),
     };
     output.format = format;
-    contest::run(cases, &args.engines, &output, args.reference.as_deref(), ui)
+    contest::run(cases, &args.engines, output, args.reference.as_deref(), ui)
 }

@@ -19,6 +19,8 @@ pub struct Output {
     pub format: Format,
     folder: Option<PathBuf>,
     pictures: bool,
+    /// The scene whose own pictures have been written last.
+    pictured: Option<String>,
 }
 
 impl Output {
@@ -26,12 +28,12 @@ impl Output {
     pub fn in_folder(folder: PathBuf, pictures: bool) -> anyhow::Result<Self> {
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        Ok(Self { format: Format::Text, folder: Some(folder), pictures })
+        Ok(Self { folder: Some(folder), pictures, ..Self::default() })
     }
 
     /// Keeps what came of one engine on one scene, if there is a folder.
     pub fn keep(
-        &self,
+        &mut self,
         case: &Case,
         data: &CaseData,
         record: &Record,
@@ -39,13 +41,12 @@ impl Output {
     ) -> anyhow::Result<()> {
         let Some(folder) = &self.folder else { return Ok(()) };
         let folder = folder.join(&case.id);
-        if !folder.is_dir() {
-            fs::create_dir_all(&folder)
-                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        }
+        fs::create_dir_all(&folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         if self.pictures {
-            if !folder.join("left.png").exists() {
+            if self.pictured.as_ref() != Some(&case.id) {
                 pictures::write_scene(&folder, data)?;
+                self.pictured = Some(case.id.clone());
             }
             if let Some(answer) = answer {
                 pictures::write_answer(&folder, &record.engine, data, answer)?;
@@ -113,6 +114,9 @@ fn notes(records: &[Record], mark: &str) -> String {
         .into_iter()
         .map(|failure| format!("{}, {}: {}", failure.case, failure.engine, failure.status))
         .collect();
+    lines.extend(records.iter().filter(|record| record.repeatable == Some(false)).map(|record| {
+        format!("{}, {}: repeated runs gave different disparities", record.case, record.engine)
+    }));
     lines.extend(report::LEGEND.map(str::to_owned));
     if !measures_cpu_time() {
         lines.push("this system tells neither CPU time nor memory of another process".into());

@@ -5,6 +5,7 @@ use super::DUST;
 use crate::geometry::{Convex, Shape, Sphere};
 use crate::noise::{fractal, gradient};
 use crate::number::{greatest, power, smoothstep};
+use crate::random::salt;
 use crate::terrain::Terrain;
 use crate::texture::{Material, Pattern};
 use crate::vector::{Frame, Vector, vector};
@@ -52,7 +53,7 @@ pub(super) fn terrain(builder: &mut Builder) -> Terrain {
         let level_out = smoothstep(0.0, 30.0 * size, distance + 6.0 * size);
         let mut height = 0.15 * rough * size * level_out * fractal(p, size, 2, 0.5, 1e-9, seed);
         // Sand lies in some places, in ripples of two sizes, one on each of the finest levels.
-        let here = gradient(p * (1.0 / 7.0), seed ^ 0x7361_6e64);
+        let here = gradient(p * (1.0 / 7.0), seed ^ salt("sand"));
         let sandy = smoothstep(-0.05, 0.2, here + sand);
         let wave = match level {
             0 => Some((0.2, 0.022)),
@@ -60,7 +61,7 @@ pub(super) fn terrain(builder: &mut Builder) -> Terrain {
             _ => None,
         };
         if let (Some((length, high)), true) = (wave, sandy > 0.0) {
-            let bend = gradient(p * (0.35 / length), seed ^ 0x6265_6e64);
+            let bend = gradient(p * (0.35 / length), seed ^ salt("bend"));
             height += sandy * high * ripple(p.dot(wind) / length + 1.2 * bend);
         }
         height

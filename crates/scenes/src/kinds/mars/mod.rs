@@ -29,7 +29,7 @@ const DUST: Vector = vector(0.5, 0.27, 0.13);
 pub(super) fn build(settings: &Settings) -> Stage {
     let pose = Pose::looking_ahead(vector(0.0, 0.0, HEIGHT), LOOK_DOWN);
     let focal = FOCAL * Builder::side(settings);
-    let mut builder = Builder::new(settings, 0x6d61_7273, pose, focal, NEAR);
+    let mut builder = Builder::new(settings, "mars", pose, focal, NEAR);
     let terrain = ground::terrain(&mut builder);
     ground::rocks(&mut builder, &terrain);
     rover::front(&mut builder, &terrain);

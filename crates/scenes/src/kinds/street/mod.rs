@@ -34,7 +34,7 @@ pub(super) fn build(settings: &Settings) -> Stage {
     let focal = FOCAL * Builder::side(settings);
     let road_begins = 2.0 * focal * HEIGHT / settings.rows as f64;
     let near = least(0.93 * road_begins, 10.0);
-    let mut builder = Builder::new(settings, 0x7374_7265_6574, pose, focal, near);
+    let mut builder = Builder::new(settings, "street", pose, focal, near);
     buildings::ground(&mut builder);
     buildings::facades(&mut builder);
     traffic::cars(&mut builder);
@@ -44,11 +44,8 @@ pub(super) fn build(settings: &Settings) -> Stage {
     furniture::wires(&mut builder);
 
     let side = if builder.random.chance(0.5) { 1.0 } else { -1.0 };
-    let sun = vector(
-        side * builder.random.between(0.1, 0.4),
-        builder.random.between(-0.9, 0.4),
-        1.0,
-    );
+    let sun =
+        vector(side * builder.random.between(0.1, 0.4), builder.random.between(-0.9, 0.4), 1.0);
     let light = Light {
         sun: sun.normalized(),
         sunlight: vector(1.15, 1.08, 0.97),

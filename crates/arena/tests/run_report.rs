@@ -1,0 +1,186 @@
+//! Engines on scenes end as records, tables and summaries, whatever becomes of one of them.
+#![cfg(unix)]
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use arena::dataset::{Case, CaseData};
+use arena::engine::{Definition, Limits, Programs, Status};
+use arena::record::{Machine, Record};
+use arena::report;
+use arena::run::{Event, Outcome, Plan, run};
+use formats::npy;
+use raster::{DisparityRange, Image, Plane};
+
+/// Four pixels whose truth is 10; the last one is occluded.
+fn case(id: &str, grey: u8) -> Case {
+    Case::rendered(id, move || {
+        let image = Image::Grey8(Plane::filled(4, 1, grey));
+        let range = DisparityRange::new(0, 20).unwrap();
+        let mut data = CaseData::new(image.clone(), image, range);
+        data.truth = Some(Plane::filled(4, 1, 10.0));
+        data.add_occlusions(&Plane::new(4, 1, vec![false, false, false, true]).unwrap());
+        Ok(data)
+    })
+}
+
+/// An engine that runs this shell script for each job, `$i` being its number.
+fn engine(folder: &Path, name: &str, script: &str) -> Definition {
+    let own = folder.join(name);
+    std::fs::create_dir_all(&own).unwrap();
+    let text = format!(
+        "echo '{{\"hazcam\":\"ready\",\"protocol\":1,\"version\":\"3\"}}'; i=0
+         while read line; do i=$((i+1)); {script}
+         echo \"{{\\\"hazcam\\\":\\\"done\\\",\\\"job\\\":$i}}\"; done"
+    );
+    std::fs::write(own.join("engine.sh"), text).unwrap();
+    let toml = format!("name = '{name}'\ncommand = ['/bin/sh', '{{folder}}/engine.sh']");
+    std::fs::write(own.join("engine.toml"), toml).unwrap();
+    Definition::read(&own.join("engine.toml")).unwrap()
+}
+
+/// An engine that is wrong by 5 pixels at so many pixels of the first and of the second scene.
+fn wrong_at(folder: &Path, name: &str, counts: [usize; 2]) -> Definition {
+    let definition =
+        engine(folder, name, &format!("cp {}/{name}/$i.npy disparity.npy", folder.display()));
+    for (job, count) in counts.into_iter().enumerate() {
+        let answer = Plane::from_fn(4, 1, |x, _| if x < count { 15f32 } else { 10.0 });
+        npy::write(folder.join(name).join(format!("{}.npy", job + 1)), &answer).unwrap();
+    }
+    definition
+}
+
+fn plan(engines: Vec<Definition>, repeats: usize) -> Plan {
+    Plan {
+        cases: vec![case("a/one", 1), case("b/two", 2)],
+        engines,
+        programs: Programs::find("hazcam".into()),
+        limits: Limits::default(),
+        threads: 1,
+        repeats,
+        machine: Machine::this(None),
+    }
+}
+
+fn outcome(plan: &Plan) -> Outcome {
+    run(plan, |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn p_bads(records: &[Record]) -> Vec<Option<f64>> {
+    records.iter().map(|record| record.value("all", "p_bad")).collect()
+}
+
+#[test]
+fn two_engines_are_scored_and_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let engines =
+        vec![wrong_at(folder.path(), "mine", [1, 2]), wrong_at(folder.path(), "other", [2, 1])];
+    let records = outcome(&plan(engines, 1)).records;
+    assert_eq!(p_bads(&records), [Some(0.25), Some(0.5), Some(0.5), Some(0.25)]);
+    assert_eq!(records[0].value("non-occluded", "p_bad"), Some(1.0 / 3.0));
+    assert_eq!(records[0].value("occluded", "p_bad"), Some(0.0));
+    assert_eq!(records[0].engine_version.as_deref(), Some("3"));
+
+    let text = report::scores_table(&records).to_text();
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].starts_with("scene  matcher  pixels  E_RMS   p_bad  bad0.5 %"), "{text}");
+    assert!(!lines[0].contains("status"));
+    assert!(lines[1].starts_with("a/one  mine     all      2.50  0.2500     25.00"), "{text}");
+    assert!(lines[2].starts_with("                noc      2.89  0.3333     33.33"), "{text}");
+    assert_eq!(lines.len(), 1 + 8);
+
+    let summaries = report::summaries(&records, Some("other"));
+    let families: Vec<_> = summaries.iter().map(|s| (&s.family[..], &s.engine[..])).collect();
+    let expected = ["a", "b", "overall"].map(|family| [(family, "mine"), (family, "other")]);
+    assert_eq!(families, expected.concat());
+    let overall = &summaries[4];
+    assert_eq!((overall.scenes, overall.mean_p_bad), (2, Some(0.375)));
+    // Half as bad on one scene and twice as bad on the other cancel; the worst is shown.
+    assert!((overall.ratio.unwrap() - 1.0).abs() < 1e-12);
+    assert_eq!(overall.worst_ratio, Some((2.0, "b/two".into())));
+    let table = report::summary_table(&summaries, Some("other"));
+    assert!(table.to_markdown().contains("| overall | mine | 2 | 2.97 | 0.3750 | 0.5000 |"));
+
+    let json: serde_json::Value =
+        serde_json::from_str(&report::to_json(&records, &summaries)).unwrap();
+    assert_eq!(json["records"][0]["status"], "done");
+    assert_eq!(json["records"][0]["scores"][0]["course"]["p_bad"], 0.25);
+    assert_eq!(json["summaries"][4]["ratio_scenes"], 2);
+    let path = folder.path().join("record.json");
+    records[0].write(&path).unwrap();
+    let kept: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!(kept, json["records"][0]);
+}
+
+#[test]
+fn a_crash_is_a_row_and_the_rest_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let crashing = engine(folder.path(), "crashing", "echo 'oh no' >&2; exit 7;");
+    let engines = vec![crashing, wrong_at(folder.path(), "mine", [1, 2])];
+    let records = outcome(&plan(engines, 1)).records;
+    assert_eq!(p_bads(&records), [None, Some(0.25), None, Some(0.5)]);
+    let text = report::scores_table(&records).to_text();
+    assert!(text.lines().next().unwrap().ends_with("status"), "{text}");
+    assert!(text.lines().nth(1).unwrap().ends_with("crashed"), "{text}");
+    let failures = report::failures(&records);
+    assert_eq!(failures.len(), 2);
+    assert!(failures[0].status.contains("status 7") && failures[0].status.contains("oh no"));
+    let summaries = report::summaries(&records, Some("crashing"));
+    assert_eq!((summaries[0].scenes, summaries[0].failed), (0, 1));
+    assert_eq!(summaries[1].ratio, None, "there is nothing to compare with");
+}
+
+#[test]
+fn absent_engines_and_unreadable_scenes_are_left_out_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut absent = engine(folder.path(), "absent", ":");
+    let say = r#"echo '{"hazcam":"absent","message":"no tables"}'"#;
+    absent.command = vec!["/bin/sh".into(), "-c".into(), say.into()];
+    let mut plan = plan(vec![absent, wrong_at(folder.path(), "mine", [1, 2])], 1);
+    plan.cases.insert(0, Case::rendered("a/broken", || Err("no lens".into())));
+    let mut told = Vec::new();
+    let outcome = run(&plan, |event| {
+        match event {
+            Event::EngineAbsent { engine, message } => {
+                told.push(format!("{} {message}", engine.name))
+            }
+            Event::CaseUnreadable { case, error } => told.push(format!("{} {error}", case.id)),
+            Event::Begins { .. } => {}
+            Event::Finished { record, answer, .. } => {
+                assert_eq!((&record.status, answer.is_some()), (&Status::Done, true));
+                told.push(record.case.clone());
+            }
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(told, ["absent no tables", "a/broken no lens", "a/one", "b/two"]);
+    assert_eq!((outcome.records.len(), outcome.absent, outcome.unreadable), (2, 1, 1));
+}
+
+#[test]
+fn repetitions_show_whether_answers_repeat() {
+    let folder = tempfile::tempdir().unwrap();
+    let steady = wrong_at(folder.path(), "steady", [1, 1]);
+    let at = folder.path().join("steady");
+    std::fs::copy(at.join("1.npy"), at.join("3.npy")).unwrap();
+    let fickle = wrong_at(folder.path(), "fickle", [1, 2]);
+    let mut plan = plan(vec![steady, fickle], 2);
+    plan.cases.truncate(1);
+    let records = outcome(&plan).records;
+    assert_eq!((records[0].repeatable, records[1].repeatable), (Some(true), Some(false)));
+    assert_eq!(records[0].runs.len(), 2);
+    assert_eq!(records[1].value("all", "p_bad"), Some(0.5), "the last answer is scored");
+}
+
+#[test]
+fn an_observer_can_end_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan(vec![wrong_at(folder.path(), "mine", [1, 2])], 1);
+    let outcome = run(&plan, |event| match event {
+        Event::Finished { .. } => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    })
+    .unwrap();
+    assert_eq!(outcome.records.len(), 1);
+}

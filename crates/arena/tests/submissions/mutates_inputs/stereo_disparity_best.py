@@ -1,0 +1,7 @@
+from stereo_disparity_fast import stereo_disparity_fast
+
+
+def stereo_disparity_best(Il, Ir, bbox, maxd):
+    answer = stereo_disparity_fast(Il, Ir, bbox, maxd)
+    answer[answer > maxd] = maxd
+    return answer

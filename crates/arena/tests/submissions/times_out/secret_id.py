@@ -1,0 +1,3 @@
+def secret_id():
+    """Return the name for the leaderboard."""
+    return "almost there"

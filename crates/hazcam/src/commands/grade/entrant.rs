@@ -1,0 +1,57 @@
+//! Who is graded: a submission, or an engine for each part.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use arena::engine::Engines;
+use arena::grade::Entrant;
+use arena::submission::Submission;
+
+use super::grading::Workshop;
+
+/// Who is graded.
+#[derive(clap::Args)]
+pub struct EntrantArguments {
+    /// A folder or a tar archive (.tar, .tar.gz) with the three files of the course
+    #[arg(required_unless_present_any = ["matcher", "print_scheme"])]
+    submission: Option<PathBuf>,
+
+    /// Engines instead: one for part 1 and one for part 2, such as fast:best, or one for both
+    #[arg(short, long, value_name = "FAST:BEST", conflicts_with = "submission")]
+    matcher: Option<String>,
+
+    /// A folder with engines of your own, one TOML file each
+    #[arg(long, value_name = "DIR", env = "HAZCAM_ENGINES", hide_env_values = true)]
+    engines: Option<PathBuf>,
+}
+
+impl EntrantArguments {
+    /// The entrant with its name for the report. A submission that cannot be taken is an entrant
+    /// without a point, not an error: its results must come out.
+    pub fn open(&self, workshop: &Workshop) -> anyhow::Result<(String, Entrant)> {
+        match (&self.submission, &self.matcher) {
+            (Some(path), _) => {
+                let name = path.display().to_string();
+                if !path.exists() {
+                    bail!("there is no {name}: give a folder or a tar archive");
+                }
+                let entrant = match Submission::open(path, &workshop.staging()) {
+                    Ok(submission) => Entrant::Submission(submission),
+                    Err(error) => Entrant::Refused(error.to_string()),
+                };
+                Ok((name, entrant))
+            }
+            (None, Some(matcher)) => {
+                let mut known = Engines::built_in();
+                if let Some(folder) = &self.engines {
+                    known.add_folder(folder)?;
+                }
+                let (fast, best) = matcher.split_once(':').unwrap_or((matcher, matcher));
+                let engines =
+                    Entrant::engines(known.named(fast)?.clone(), known.named(best)?.clone());
+                Ok((matcher.clone(), engines))
+            }
+            (None, None) => bail!("name a submission, or engines with --matcher"),
+        }
+    }
+}

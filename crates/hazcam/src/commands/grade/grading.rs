@@ -1,0 +1,179 @@
+//! By what and how entrants are graded: tests, scenes, limits, sandbox, Python.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use arena::dataset::{self, Case};
+use arena::engine::Programs;
+use arena::grade::{Allowance, Confinement, Grader, Scenes, Scheme, load_scenes};
+use arena::sandbox;
+use arena::submission::{Python, Runner};
+
+use super::scenes;
+
+/// By what and how entrants are graded.
+#[derive(clap::Args)]
+pub struct GradingArguments {
+    /// Tests, thresholds, points and limits, as TOML [default: the course's six]
+    #[arg(long, value_name = "FILE", help_heading = "Tests")]
+    scheme: Option<PathBuf>,
+
+    /// Folder with the data sets
+    #[arg(long, value_name = "DIR", env = "HAZCAM_DATA", hide_env_values = true)]
+    #[arg(help_heading = "Tests")]
+    data: Option<PathBuf>,
+
+    /// Run every test twice and say where the answers differ
+    #[arg(long, help_heading = "Tests")]
+    twice: bool,
+
+    /// CPU seconds for each test, instead of the scheme's
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Limits")]
+    cpu_limit: Option<f64>,
+
+    /// Seconds until an entrant is ready: its imports
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Limits")]
+    #[arg(default_value = "60")]
+    start_limit: f64,
+
+    /// Megabytes of memory (address space). Vectorised cost volumes on KITTI take 0.5 GB a copy
+    #[arg(long, value_name = "MB", default_value = "4096", help_heading = "Limits")]
+    #[arg(value_parser = clap::value_parser!(u64).range(256..=1 << 20))]
+    memory_limit: u64,
+
+    /// Megabytes of files that an entrant may write
+    #[arg(long, value_name = "MB", default_value = "256", help_heading = "Limits")]
+    #[arg(value_parser = clap::value_parser!(u64).range(16..=1 << 20))]
+    disk_limit: u64,
+
+    /// Run entrants with all your rights: only for code that you trust with all your files
+    #[arg(long, help_heading = "Limits")]
+    no_sandbox: bool,
+
+    /// The Python that runs submissions [default: python3 on PATH]
+    #[arg(long, value_name = "PROGRAM", env = "HAZCAM_PYTHON", hide_env_values = true)]
+    #[arg(help_heading = "Limits")]
+    python: Option<PathBuf>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.1..=1e6).contains(&value) => Ok(value),
+        _ => Err("give seconds from 0.1 to 1000000".into()),
+    }
+}
+
+/// Everything that a [`Grader`] needs, loaded. Its folder is removed with it.
+pub struct Workshop {
+    scheme: Scheme,
+    scenes: Scenes,
+    confinement: Confinement,
+    programs: Programs,
+    python: Result<Python, String>,
+    twice: bool,
+    folder: tempfile::TempDir,
+}
+
+impl Workshop {
+    /// Reads the scheme, loads its scenes, looks for Python and for the parts of the sandbox.
+    ///
+    /// Errors when entrants cannot be confined and nobody said to do without.
+    pub fn open(args: &GradingArguments) -> anyhow::Result<Self> {
+        let this = std::env::current_exe().context("cannot find this program's own file")?;
+        let missing = sandbox::missing_parts();
+        if !args.no_sandbox && !missing.is_empty() {
+            bail!(
+                "this system lacks {}, so entrants cannot be confined; grade on one that has it, \
+                 or say --no-sandbox if you trust the code with all your files",
+                missing.join(" and ")
+            );
+        }
+        let scheme = args.read_scheme()?;
+        let mut programs = Programs::find(this.clone());
+        if let Some(python) = &args.python {
+            programs.python = Some(python.clone());
+        }
+        let python = match &programs.python {
+            Some(program) => Python::find(program).map_err(|error| error.to_string()),
+            None => Err("there is no python3 on PATH: install Python 3.8 or newer with numpy and \
+                         scipy, or name it with --python"
+                .into()),
+        };
+        let folder = tempfile::Builder::new()
+            .prefix("hazcam-grade-")
+            .tempdir()
+            .context("cannot create a working folder")?;
+        std::fs::create_dir(folder.path().join("submission"))?;
+        let allowance = Allowance {
+            start: Duration::from_secs_f64(args.start_limit),
+            memory_bytes: args.memory_limit << 20,
+            disk_bytes: args.disk_limit << 20,
+        };
+        Ok(Self {
+            scenes: args.load_scenes(&scheme)?,
+            scheme,
+            confinement: Confinement { helper: (!args.no_sandbox).then_some(this), allowance },
+            programs,
+            python,
+            twice: args.twice,
+            folder,
+        })
+    }
+
+    /// The empty folder for the copy of a submission.
+    pub fn staging(&self) -> PathBuf {
+        self.folder.path().join("submission")
+    }
+
+    /// The grader.
+    pub fn grader(&self) -> anyhow::Result<Grader<'_>> {
+        let runner = match &self.python {
+            Ok(python) => Ok(Runner::install(python.clone(), &self.folder.path().join("runner"))?),
+            Err(why) => Err(why.clone()),
+        };
+        Ok(Grader {
+            scheme: &self.scheme,
+            scenes: &self.scenes,
+            confinement: self.confinement.clone(),
+            programs: self.programs.clone(),
+            runner,
+            twice: self.twice,
+        })
+    }
+}
+
+impl GradingArguments {
+    fn read_scheme(&self) -> anyhow::Result<Scheme> {
+        let mut scheme = match &self.scheme {
+            Some(path) => {
+                let text = std::fs::read_to_string(path)
+                    .with_context(|| format!("cannot read {}", path.display()))?;
+                Scheme::parse(&text, path)?
+            }
+            None => Scheme::course(),
+        };
+        if let Some(seconds) = self.cpu_limit {
+            for test in &mut scheme.tests {
+                test.cpu_seconds = seconds;
+            }
+        }
+        Ok(scheme)
+    }
+
+    /// The scheme's scenes; one that cannot be used is told by the tests that need it.
+    fn load_scenes(&self, scheme: &Scheme) -> anyhow::Result<Scenes> {
+        let elsewhere = |id: &String| !scheme.scenes.contains_key(id);
+        let needs_data = scheme.tests.iter().map(|test| &test.scene).any(elsewhere);
+        let cases: Vec<Case> = match self.data.as_deref().filter(|p| !p.as_os_str().is_empty()) {
+            Some(folder) if needs_data => dataset::open(folder)?,
+            _ => Vec::new(),
+        };
+        let remedy = match self.data {
+            Some(_) => "look at what HAZCAM_DATA or --data names",
+            None => "set HAZCAM_DATA, or --data, to the folder with the course's images",
+        };
+        let folder = self.scheme.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        Ok(load_scenes(scheme, folder, &cases, remedy, &scenes::render))
+    }
+}

@@ -1,0 +1,127 @@
+//! `hazcam grade`: points for a submission or a pair of engines.
+//!
+//! What is graded is in [`entrant`], by what and how in [`grading`], where scenes come from in
+//! [`scenes`]; `hazcam board add` shares all three.
+
+pub mod entrant;
+pub mod grading;
+pub mod scenes;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use arena::grade::output::{autolab, gradescope, junit, text};
+use arena::grade::{COURSE, Event, Report};
+
+use crate::cli::{ERROR, THRESHOLD_FAILED};
+use crate::ui::Ui;
+use entrant::EntrantArguments;
+use grading::{GradingArguments, Workshop};
+
+/// Give points for a submission: six tests, each in a sandbox with a limit of CPU time
+///
+/// A submission is a folder or a tar archive with secret_id.py, stereo_disparity_fast.py and
+/// stereo_disparity_best.py. Other engines, hazcam's own matchers included, take its place with
+/// --matcher. Every test runs in a process of its own that cannot read the truth, reach the
+/// network, start programs or write outside of its folder.
+#[derive(clap::Args)]
+#[command(after_help = "\
+How a test ends:
+  OK   answered; the points depend on E_RMS and p_bad
+  RE   run-time error: an exception, a missing file or function
+  TO   out of CPU or wall time      ML   out of memory      SG   ended by a signal
+  BAD  the answer is no disparity map: wrong shape, type or values
+  XX   the grader failed, and not the entrant: the exit status is 2
+
+The limits of CPU time are part of the scheme, 600 s on Cones and Teddy and 3000 s on KITTI: loops
+in plain Python, which take 100 to 300 s on Cones, pass; what hangs is stopped. Wall time is limited
+to three times as much and 10 s.
+
+Examples:
+  HAZCAM_DATA=~/rob501 hazcam grade handin.tar
+  hazcam grade solution/ --format gradescope -o /autograder/results/results.json
+  hazcam grade --matcher fast:best
+  hazcam grade --print-scheme > mine.toml && hazcam grade solution/ --scheme mine.toml
+
+Exit status: 0 graded, 1 fewer points than --fail-under, 2 the grader failed.")]
+pub struct Args {
+    #[command(flatten)]
+    entrant: EntrantArguments,
+
+    #[command(flatten)]
+    grading: GradingArguments,
+
+    /// How to show the results; with autolab the text comes first and the last line is Autolab's
+    #[arg(long, default_value = "text", help_heading = "Output")]
+    #[arg(value_parser = super::choice(["text", "json", "junit", "autolab", "gradescope"]))]
+    format: String,
+
+    /// Write the results to this file instead of stdout; the text then goes to stdout as well
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: Option<PathBuf>,
+
+    /// End with status 1 when there are fewer points
+    #[arg(long, value_name = "POINTS", help_heading = "Output")]
+    fail_under: Option<f64>,
+
+    /// Print the course's tests, thresholds and points as TOML, to start your own from, and end
+    #[arg(long, help_heading = "Output")]
+    print_scheme: bool,
+}
+
+/// Grades, showing each test before and after it is run.
+pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    if args.print_scheme {
+        ui.print(COURSE)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
+    let workshop = Workshop::open(&args.grading)?;
+    let (name, entrant) = args.entrant.open(&workshop)?;
+    let mut shown = Ok(());
+    let report = workshop.grader()?.grade(&name, &entrant, &mut |event| {
+        // A reader that went away must not keep the results from their file.
+        if shows_text && shown.is_ok() {
+            shown = show(&event, ui);
+        }
+    });
+    if shows_text && shown.is_ok() {
+        shown = ui.print(&text::summary(&report));
+    }
+    let results = results(&args.format, &report)?;
+    match &args.output {
+        Some(path) => {
+            formats::write_atomically(path, |file| file.write_all(results.as_bytes()))?;
+        }
+        None => {
+            shown?;
+            ui.print(&results)?;
+        }
+    }
+    Ok(match args.fail_under {
+        _ if report.grader_failed() => ERROR.into(),
+        Some(points) if report.points < points => THRESHOLD_FAILED.into(),
+        _ => ExitCode::SUCCESS,
+    })
+}
+
+fn show(event: &Event<'_>, ui: &Ui) -> anyhow::Result<()> {
+    match event {
+        Event::Inspected([]) => Ok(()),
+        Event::Inspected(findings) => ui.print(&format!("{}\n", text::findings(findings))),
+        Event::Begins(test) => ui.print(&text::begins(test)),
+        Event::Ended(result) => ui.print(&text::ended(result)),
+    }
+}
+
+/// What the format adds to the text, which has been shown by now.
+fn results(format: &str, report: &Report) -> anyhow::Result<String> {
+    Ok(match format {
+        "json" => format!("{}\n", serde_json::to_string_pretty(report)?),
+        "junit" => junit::write(report),
+        "autolab" => autolab::line(report),
+        "gradescope" => gradescope::write(report),
+        _ => String::new(),
+    })
+}
