@@ -42,29 +42,150 @@ const CARRIED: usize = 2;
 
 /// A filtered row of both images: the left columns that support the answered ones, and the right
 /// row as [`reverse_row`](crate::cost::absolute_difference::reverse_row) writes it.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct RowPair<'a> {
     pub left: &'a [u8],
     pub reversed: &'a [u8],
 }
 
-/// The sums of a band of rows, and what the last row's winners are.
-#[derive(Default)]
+/// What won in one row: per answered column of the left image, and per column of the right one.
+#[derive(Debug, Default, Clone, PartialEq, Eq)]
+pub(crate) struct Winners {
+    /// Index of the disparity with the least sum, the smallest of several.
+    pub index: Vec<u16>,
+    /// That least sum; 32768 or more where nothing could be tried.
+    pub least: Vec<u16>,
+    /// The sums of the disparities before and after the winner, 32768 or more at the range's ends.
+    pub before: Vec<u16>,
+    pub after: Vec<u16>,
+    /// The least of the winner's sum and those of `(x - 1, k - 1)` and `(x + 1, k + 1)`, which
+    /// match the same right pixel.
+    pub confirming: Vec<u16>,
+    /// The least sum of right column `last - min - i` at place `i`.
+    pub right: Vec<u16>,
+}
+
+/// The memory of the kernel: sums of a band of rows.
+#[derive(Debug, Default)]
 pub(crate) struct Sad {
     /// `V`: per supporting column all disparities.
     columns: Vec<u8>,
-    /// `C` of a tile: per column `lanes` sums and `PAD` times [`OUT`].
+    /// `C` of a tile: per column all disparities and `PAD` times [`OUT`].
     costs: Vec<u16>,
-    /// A column of zeros, then one of 0 where a disparity is searched and [`OUT`] where not.
-    zeros: Vec<u8>,
-    start: Vec<u16>,
-    /// A column that cannot be tried, and a copy of one that can be tried in part.
+    /// A column of `V` outside the image.
+    nothing: Vec<u8>,
+    /// A column of `C` over an empty window: [`OUT`] where no disparity is searched.
+    empty: Vec<u16>,
+    /// A column of `C` of which a part can be tried.
     part: Vec<u16>,
-    /// The right view's least sums: see [`Winners::right_least`].
-    right: Vec<u16>,
-    winners: Vec<u16>,
-    least: Vec<u16>,
-    before: Vec<u16>,
-    after: Vec<u16>,
-    confirming: Vec<u16>,
+    pub winners: Winners,
+}
+
+fn refill<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
+    buffer.clear();
+    buffer.resize(length, value);
+}
+
+impl Sad {
+    /// Begins a band of rows with an empty window.
+    pub fn begin(&mut self, space: &SearchSpace, supporting: usize) {
+        let lanes = space.lanes;
+        assert!(lanes > 0 && lanes.is_multiple_of(GROUP), "{lanes} lanes are not whole groups");
+        refill(&mut self.columns, supporting * lanes, 0);
+        refill(&mut self.costs, PAD + (CARRIED + TILE) * (lanes + PAD), OUT);
+        refill(&mut self.nothing, lanes, 0);
+        refill(&mut self.empty, lanes, OUT);
+        self.empty[..space.count].fill(0);
+        refill(&mut self.part, lanes, OUT);
+        let winners = &mut self.winners;
+        for buffer in [
+            &mut winners.index,
+            &mut winners.least,
+            &mut winners.before,
+            &mut winners.after,
+            &mut winners.confirming,
+        ] {
+            refill(buffer, space.columns(), 0);
+        }
+        refill(&mut winners.right, space.columns() + lanes + PAD, OUT);
+    }
+}
+
+at_every_level! {
+    /// Slides the window down by one row.
+    pub(crate) fn slide_down(sad: &mut Sad, lanes: usize, entering: RowPair<'_>, leaving: RowPair<'_>) {
+        let supporting = entering.left.len();
+        slide_columns(&mut sad.columns, 0..supporting, lanes, entering, leaving);
+    }
+
+    /// Slides the window down by one row, and finds what wins there. `margin` supporting columns
+    /// stand before the first answered one.
+    pub(crate) fn match_row(
+        sad: &mut Sad,
+        space: &SearchSpace,
+        margin: usize,
+        entering: RowPair<'_>,
+        leaving: RowPair<'_>,
+    ) {
+        let Sad { columns, costs, nothing, empty, part, winners } = sad;
+        let (lanes, total, supporting) = (space.lanes, space.columns(), entering.left.len());
+        let stride = lanes + PAD;
+        let column = |c: usize| PAD + c * stride..PAD + c * stride + lanes;
+
+        winners.right.fill(OUT);
+        let mut slid = supporting.min(margin + RADIUS);
+        slide_columns(columns, 0..slid, lanes, entering, leaving);
+        // The window around the column before the first one: from there it slides.
+        let before = &mut costs[column(CARRIED - 1)];
+        before.copy_from_slice(empty);
+        for c in 0..slid {
+            slide_window(before, &columns[c * lanes..][..lanes], nothing);
+        }
+
+        let mut done = 0;
+        while done < total {
+            let size = TILE.min(total - done);
+            let upto = supporting.min(margin + done + size + RADIUS);
+            slide_columns(columns, slid..upto, lanes, entering, leaving);
+            slid = upto;
+            for i in 0..size {
+                let (front, back) = costs.split_at_mut(PAD + (CARRIED + i) * stride);
+                let sums = &mut back[..lanes];
+                sums.copy_from_slice(&front[PAD + (CARRIED + i - 1) * stride..][..lanes]);
+                let centre = margin + done + i;
+                let supply = |c: usize| &columns[c * lanes..][..lanes];
+                let entering =
+                    if centre + RADIUS < supporting { supply(centre + RADIUS) } else { nothing };
+                let leaving = if centre > RADIUS { supply(centre - RADIUS - 1) } else { nothing };
+                slide_window(sums, entering, leaving);
+            }
+            let folds = size / FOLD;
+            for fold in 0..folds {
+                let first = CARRIED + fold * FOLD;
+                let place = total - (done + (fold + 1) * FOLD);
+                let minima = &mut winners.right[place..][..stride];
+                fold_into_right_view(&costs[first * stride..], stride, minima);
+            }
+            for i in folds * FOLD..size {
+                let minima = &mut winners.right[total - 1 - (done + i)..][..lanes];
+                lessen(minima, &costs[column(CARRIED + i)]);
+            }
+            // The winner of a column looks at both its neighbours: it is found one column late.
+            for i in 0..size {
+                if done + i > 0 {
+                    let at = CARRIED + i - 1;
+                    find_winner(costs, at, space, done + i - 1, part, winners);
+                }
+            }
+            done += size;
+            if done < total {
+                costs.copy_within(size * stride..PAD + (size + CARRIED) * stride, 0);
+            } else {
+                if size < TILE {
+                    costs[column(CARRIED + size)].fill(OUT);
+                }
+                find_winner(costs, CARRIED + size - 1, space, total - 1, part, winners);
+            }
+        }
+    }
 }
