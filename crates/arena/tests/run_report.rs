@@ -99,7 +99,7 @@ fn two_engines_are_scored_and_compared() {
     assert!((overall.ratio.unwrap() - 1.0).abs() < 1e-12);
     assert_eq!(overall.worst_ratio, Some((2.0, "b/two".into())));
     let table = report::summary_table(&summaries, Some("other"));
-    assert!(table.to_markdown().contains("| overall | mine | 2 | 2.97 | 0.3750 | 0.5000 |"));
+    assert!(table.to_markdown().contains("| overall | mine | 2 | 3.02 | 0.3750 | 0.5000 |"));
 
     let json: serde_json::Value =
         serde_json::from_str(&report::to_json(&records, &summaries)).unwrap();

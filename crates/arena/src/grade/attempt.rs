@@ -158,7 +158,7 @@ impl Bench<'_> {
         };
         let ended = match self.confinement.start(command, readable, place, cpu) {
             Ok(confined) => confined.finish(&job),
-            Err(ended) => ended,
+            Err(ended) => *ended,
         };
         let judged = judge(&ended, self.confinement.allowance.start);
         let max = pair.range.max().unsigned_abs();

@@ -98,18 +98,18 @@ impl Confinement {
         readable: &[PathBuf],
         place: &Workplace,
         cpu: Duration,
-    ) -> Result<Confined, Ended> {
+    ) -> Result<Confined, Box<Ended>> {
         let watch = self.watch(place);
         let command = self.prepare(command, readable, place, cpu);
         match Session::start(command, &place.home(), self.limits(cpu)) {
             Ok(session) => Ok(Confined { session, watch }),
-            Err(status) => Err(Ended {
+            Err(status) => Err(Box::new(Ended {
                 status,
                 usage: Usage::default(),
                 startup: Usage::default(),
                 log: String::new(),
                 excess: watch.stop(),
-            }),
+            })),
         }
     }
 

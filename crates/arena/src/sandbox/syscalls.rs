@@ -246,14 +246,8 @@ const PRCTL_OPTIONS: &[c_int] = &[
 ];
 
 /// Whether something is a terminal and how wide, and flags of open files.
-const IOCTL_REQUESTS: &[u64] = &[
-    libc::TCGETS as u64,
-    libc::TIOCGWINSZ as u64,
-    libc::FIOCLEX as u64,
-    libc::FIONBIO as u64,
-    libc::FIONCLEX as u64,
-    libc::FIONREAD as u64,
-];
+const IOCTL_REQUESTS: &[u64] =
+    &[libc::TCGETS, libc::TIOCGWINSZ, libc::FIOCLEX, libc::FIONBIO, libc::FIONCLEX, libc::FIONREAD];
 
 /// A rule for calls whose argument number `index` compares so; its lower 32 bits count, which is
 /// all that the kernel looks at in the calls where it is used.

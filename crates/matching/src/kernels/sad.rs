@@ -19,6 +19,8 @@
 //!    from column to column: done one by one, each load would wait for the store before it.
 //! 4. The left view's winner: the least sum first, then the first place where it stands.
 
+use std::ops::Range;
+
 use super::level::at_every_level;
 use crate::cost::SearchSpace;
 
@@ -92,7 +94,7 @@ impl Sad {
         let lanes = space.lanes;
         assert!(lanes > 0 && lanes.is_multiple_of(GROUP), "{lanes} lanes are not whole groups");
         refill(&mut self.columns, supporting * lanes, 0);
-        refill(&mut self.costs, PAD + (CARRIED + TILE) * (lanes + PAD), OUT);
+        refill(&mut self.costs, PAD + (CARRIED + TILE + 1) * (lanes + PAD), OUT);
         refill(&mut self.nothing, lanes, 0);
         refill(&mut self.empty, lanes, OUT);
         self.empty[..space.count].fill(0);
@@ -128,6 +130,7 @@ at_every_level! {
         leaving: RowPair<'_>,
     ) {
         let Sad { columns, costs, nothing, empty, part, winners } = sad;
+        let nothing: &[u8] = nothing;
         let (lanes, total, supporting) = (space.lanes, space.columns(), entering.left.len());
         let stride = lanes + PAD;
         let column = |c: usize| PAD + c * stride..PAD + c * stride + lanes;
@@ -181,10 +184,286 @@ at_every_level! {
             if done < total {
                 costs.copy_within(size * stride..PAD + (size + CARRIED) * stride, 0);
             } else {
-                if size < TILE {
-                    costs[column(CARRIED + size)].fill(OUT);
-                }
+                costs[column(CARRIED + size)].fill(OUT);
                 find_winner(costs, CARRIED + size - 1, space, total - 1, part, winners);
+            }
+        }
+    }
+}
+
+/// `V` of supporting columns `range`, one row further down.
+#[inline(always)]
+fn slide_columns(
+    columns: &mut [u8],
+    range: Range<usize>,
+    lanes: usize,
+    entering: RowPair<'_>,
+    leaving: RowPair<'_>,
+) {
+    let last = entering.left.len() - 1;
+    let columns = &mut columns[range.start * lanes..range.end * lanes];
+    for (c, column) in range.zip(columns.chunks_exact_mut(lanes)) {
+        let (l_in, l_out) = (entering.left[c], leaving.left[c]);
+        let r_in = &entering.reversed[last - c..][..lanes];
+        let r_out = &leaving.reversed[last - c..][..lanes];
+        let groups = column.as_chunks_mut::<GROUP>().0.iter_mut();
+        let right = r_in.as_chunks::<GROUP>().0.iter().zip(r_out.as_chunks::<GROUP>().0);
+        for (sums, (r_in, r_out)) in groups.zip(right) {
+            for i in 0..GROUP {
+                let (gain, loss) = (l_in.abs_diff(r_in[i]), l_out.abs_diff(r_out[i]));
+                sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss);
+            }
+        }
+    }
+}
+
+/// `C` one column further: one column of `V` enters the window, one leaves it.
+#[inline(always)]
+fn slide_window(sums: &mut [u16], entering: &[u8], leaving: &[u8]) {
+    let entering = entering.as_chunks::<GROUP>().0;
+    let leaving = leaving.as_chunks::<GROUP>().0;
+    let groups = sums.as_chunks_mut::<GROUP>().0.iter_mut();
+    for (sums, (gain, loss)) in groups.zip(entering.iter().zip(leaving)) {
+        for i in 0..GROUP {
+            let gained = sums[i].wrapping_add(u16::from(gain[i]));
+            sums[i] = gained.wrapping_sub(u16::from(loss[i]));
+        }
+    }
+}
+
+/// Folds `FOLD` columns of costs along the diagonal, then into the right view's minima. Before
+/// every column, and after the last, stand `PAD` places that cannot win.
+#[inline(always)]
+fn fold_into_right_view(costs: &[u16], stride: usize, minima: &mut [u16]) {
+    // Place `i` belongs to index `i - (FOLD - 1) + j` of column `j`.
+    let diagonal: [&[u16]; FOLD] =
+        std::array::from_fn(|j| &costs[PAD + j * stride + j - (FOLD - 1)..][..stride]);
+    let (groups, rest) = minima.as_chunks_mut::<GROUP>();
+    for (g, minima) in groups.iter_mut().enumerate() {
+        for costs in diagonal {
+            let costs: &[u16; GROUP] = costs.as_chunks().0[g..].first().expect("as long");
+            for i in 0..GROUP {
+                minima[i] = minima[i].min(costs[i]);
+            }
+        }
+    }
+    let done = groups.len() * GROUP;
+    for costs in diagonal {
+        lessen(rest, &costs[done..]);
+    }
+}
+
+#[inline(always)]
+fn lessen(minima: &mut [u16], costs: &[u16]) {
+    for (least, &cost) in minima.iter_mut().zip(costs) {
+        *least = cost.min(*least);
+    }
+}
+
+/// Finds what wins at answered column `x`, whose costs stand at place `at` of the tile.
+#[inline(always)]
+fn find_winner(
+    costs: &[u16],
+    at: usize,
+    space: &SearchSpace,
+    x: usize,
+    part: &mut [u16],
+    winners: &mut Winners,
+) {
+    let stride = space.lanes + PAD;
+    let here = PAD + at * stride;
+    let all = &costs[here..][..space.lanes];
+    let candidates = space.candidates(space.first + x);
+    let tried = if candidates == (0..space.count) {
+        all
+    } else {
+        part.fill(OUT);
+        part[candidates.clone()].copy_from_slice(&all[candidates]);
+        part
+    };
+    let (index, least) = least_of(tried);
+    let k = usize::from(index);
+    winners.index[x] = index;
+    winners.least[x] = least;
+    winners.before[x] = if k > 0 { tried[k - 1] } else { OUT };
+    winners.after[x] = if k + 1 < tried.len() { tried[k + 1] } else { OUT };
+    let behind = if x > 0 { costs[here + k - 1 - stride] } else { OUT };
+    winners.confirming[x] = least.min(behind).min(costs[here + k + 1 + stride]);
+}
+
+/// The first index of the least cost, and that cost.
+#[inline(always)]
+fn least_of(costs: &[u16]) -> (u16, u16) {
+    let groups = costs.as_chunks::<GROUP>().0;
+    let mut least = [u16::MAX; GROUP];
+    for group in groups {
+        for i in 0..GROUP {
+            least[i] = least[i].min(group[i]);
+        }
+    }
+    let least = least.into_iter().fold(u16::MAX, u16::min);
+    let mut first = [u16::MAX; GROUP];
+    let mut base = 0;
+    for group in groups {
+        for i in 0..GROUP {
+            let index = if group[i] == least { base + i as u16 } else { u16::MAX };
+            first[i] = first[i].min(index);
+        }
+        base += GROUP as u16;
+    }
+    (first.into_iter().fold(u16::MAX, u16::min), least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::absolute_difference::reverse_row;
+    use crate::kernels::level::Level;
+    use raster::{BoundingBox, DisparityRange, Plane};
+
+    /// The definition: every window summed anew, every candidate looked at.
+    fn winners_by_definition(
+        space: &SearchSpace,
+        left: &Plane<u8>,
+        right: &Plane<u8>,
+        y: usize,
+    ) -> Winners {
+        let (width, height) = left.size();
+        let cost = |x: usize, k: usize| -> u16 {
+            let mut sum = 0;
+            for v in y.saturating_sub(RADIUS)..=(y + RADIUS).min(height - 1) {
+                for u in x.saturating_sub(RADIUS)..=(x + RADIUS).min(width - 1) {
+                    let match_column = u as i64 - i64::from(space.min) - k as i64;
+                    let match_column = match_column.clamp(0, width as i64 - 1) as usize;
+                    sum += u16::from(left.row(v)[u].abs_diff(right.row(v)[match_column]));
+                }
+            }
+            sum
+        };
+        let inside = |x: i64, k: i64| {
+            x >= space.first as i64
+                && x <= space.last as i64
+                && (0..space.count as i64).contains(&k)
+                && (0..width as i64).contains(&(x - i64::from(space.min) - k))
+        };
+        let cost = |x: i64, k: i64| if inside(x, k) { cost(x as usize, k as usize) } else { OUT };
+        let mut winners = Winners::default();
+        for x in space.first as i64..=space.last as i64 {
+            let k = (0..space.count as i64).min_by_key(|&k| cost(x, k)).unwrap();
+            winners.index.push(k as u16);
+            winners.least.push(cost(x, k));
+            winners.before.push(cost(x, k - 1));
+            winners.after.push(cost(x, k + 1));
+            let diagonal = [cost(x, k), cost(x - 1, k - 1), cost(x + 1, k + 1)];
+            winners.confirming.push(*diagonal.iter().min().unwrap());
+        }
+        for i in 0..space.columns() + space.count - 1 {
+            let right = space.last as i64 - i64::from(space.min) - i as i64;
+            let costs = (0..space.count as i64).map(|k| cost(right + i64::from(space.min) + k, k));
+            winners.right.push(costs.min().unwrap());
+        }
+        winners
+    }
+
+    /// Winners of every row, by the kernel.
+    fn winners_by_kernel(
+        level: Level,
+        space: &SearchSpace,
+        left: &Plane<u8>,
+        right: &Plane<u8>,
+    ) -> Vec<Winners> {
+        let (width, height) = left.size();
+        let c0 = space.first.saturating_sub(RADIUS);
+        let c1 = (space.last + RADIUS).min(width - 1);
+        let reversed: Vec<Vec<u8>> = (0..height)
+            .map(|y| {
+                let mut row = vec![0; c1 - c0 + 1 + space.lanes];
+                reverse_row(right.row(y), c1 as i64 - i64::from(space.min), &mut row);
+                row
+            })
+            .collect();
+        let nothing = vec![0; c1 - c0 + 1 + space.lanes];
+        let row = |y: usize| {
+            if y < height {
+                RowPair { left: &left.row(y)[c0..=c1], reversed: &reversed[y] }
+            } else {
+                RowPair { left: &nothing[..=c1 - c0], reversed: &nothing }
+            }
+        };
+        let mut sad = Sad::default();
+        sad.begin(space, c1 - c0 + 1);
+        for y in 0..RADIUS {
+            slide_down(level, &mut sad, space.lanes, row(y), row(usize::MAX));
+        }
+        let mut all = Vec::new();
+        for y in 0..height {
+            let (entering, leaving) = (row(y + RADIUS), row(y.wrapping_sub(RADIUS + 1)));
+            match_row(level, &mut sad, space, space.first - c0, entering, leaving);
+            all.push(sad.winners.clone());
+        }
+        all
+    }
+
+    #[test]
+    fn the_kernel_is_its_definition_at_every_level() {
+        let noise = |x: usize, y: usize, seed: usize| {
+            let v = (x * 0x9E37 + y * 0x79B9 + seed * 0x7F4A).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            (v >> 40) as u8 % (LARGEST_DIFFERENCE + 1)
+        };
+        let shapes = [
+            // width, height, first and last answered column, range
+            (1, 1, (0, 0), (0, 0)),
+            (3, 12, (0, 2), (-5, 5)),
+            (40, 3, (0, 39), (0, 15)),
+            (75, 11, (0, 74), (0, 63)),
+            (75, 11, (9, 60), (3, 31)),
+            (90, 10, (2, 88), (-20, 70)),
+            (33, 9, (30, 32), (-40, 40)),
+        ];
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            for (width, height, (x0, x1), (min, max)) in shapes {
+                let left = Plane::from_fn(width, height, |x, y| noise(x, y, 1));
+                let right = Plane::from_fn(width, height, |x, y| {
+                    // Half noise, half a shifted copy; blank at the right, where sums are equal.
+                    match x {
+                        _ if x > 60 => 0,
+                        _ if y % 2 == 0 => noise(x + 7, y, 1),
+                        _ => noise(x, y, 2),
+                    }
+                });
+                let bounds = BoundingBox::new(x0, 0, x1, 0).unwrap();
+                let range = DisparityRange::new(min, max).unwrap();
+                let space = SearchSpace::new(width, bounds, range);
+                let found = winners_by_kernel(level, &space, &left, &right);
+                for (y, found) in found.into_iter().enumerate() {
+                    let expected = winners_by_definition(&space, &left, &right, y);
+                    let tried: Vec<bool> = expected.least.iter().map(|&v| v < OUT).collect();
+                    let only = |v: &[u16]| -> Vec<u16> {
+                        // Above OUT, values only say that nothing was tried.
+                        v.iter().map(|&v| v.min(OUT)).collect()
+                    };
+                    let at_winners = |v: &[u16]| -> Vec<u16> {
+                        only(v).into_iter().zip(&tried).filter(|t| *t.1).map(|t| t.0).collect()
+                    };
+                    let what = format!("{width} x {height}, {x0}..{x1}, {min}..{max}, row {y}");
+                    assert_eq!(only(&found.least), expected.least, "least, {what}");
+                    assert_eq!(at_winners(&found.index), at_winners(&expected.index), "{what}");
+                    assert_eq!(at_winners(&found.before), at_winners(&expected.before), "{what}");
+                    assert_eq!(at_winners(&found.after), at_winners(&expected.after), "{what}");
+                    assert_eq!(
+                        at_winners(&found.confirming),
+                        at_winners(&expected.confirming),
+                        "confirming, {what}"
+                    );
+                    for (i, &least) in expected.right.iter().enumerate() {
+                        // Columns outside the right image are of no interest.
+                        let column = space.last as i64 - i64::from(space.min) - i as i64;
+                        if (0..width as i64).contains(&column) {
+                            assert_eq!(found.right[i].min(OUT), least, "right {column}, {what}");
+                        }
+                    }
+                }
             }
         }
     }

@@ -12,6 +12,7 @@ mod walls;
 use super::Stage;
 use super::builder::Builder;
 use crate::light::{Light, Sky};
+use crate::number::{greatest, least};
 use crate::rig::Pose;
 use crate::settings::Settings;
 use crate::texture::{Material, Pattern};
@@ -42,7 +43,7 @@ pub(super) fn build(settings: &Settings) -> Stage {
     let pose = Pose::looking_ahead(vector(0.0, 0.0, 0.0), 0.0);
     let builder = Builder::new(settings, "clutter", pose, 1.6 * side, NEAR);
     let floor = builder.half_view(NEAR / FLOOR).1;
-    let unit = (side / 450.0).max(0.5);
+    let unit = greatest(side / 450.0, 0.5);
     let mut room = Room { builder, unit, floor, taken: Vec::new() };
     let walled = if room.builder.random.chance(0.5) { 1.0 } else { -1.0 };
     room.walls(walled);
@@ -101,7 +102,7 @@ impl Room {
         let mut best = (-1.0, 0.0);
         for _ in 0..6 {
             let x = self.builder.random.between(-reach, reach);
-            let room = self.taken.iter().map(|t| (t - x).abs()).fold(9.0, f64::min);
+            let room = self.taken.iter().map(|t| (t - x).abs()).fold(9.0, least);
             if room > best.0 {
                 best = (room, x);
             }

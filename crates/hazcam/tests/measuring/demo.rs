@@ -1,0 +1,40 @@
+//! The whole path without any data: rendered, matched in processes, scored, shown.
+
+use crate::run;
+
+#[test]
+fn a_demo_leaves_pictures_records_and_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let (stdout, stderr) =
+        run(folder.path(), &["demo", "--matcher", "fast", "--scenes", "*cards*", "-o", "out"], 0);
+    assert!(stdout.starts_with("scene "), "{stdout}");
+    assert!(stderr.contains("pictures and records are in out"), "{stderr}");
+    let out = folder.path().join("out");
+    let scene = std::fs::read_dir(out.join("demo")).unwrap().next().unwrap().unwrap().path();
+    let id = format!("demo/{}", scene.file_name().unwrap().to_str().unwrap());
+    assert!(stdout.contains(&id), "{stdout}");
+
+    let left = formats::read_image(scene.join("left.png")).unwrap();
+    for picture in ["truth.png", "fast.png", "fast-error.png"] {
+        let picture = formats::read_image(scene.join(picture)).unwrap();
+        assert_eq!(picture.size(), left.size());
+    }
+    let record = std::fs::read(scene.join("fast.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+    assert_eq!((&record["status"], &record["case"]), (&"done".into(), &id.into()));
+    let p_bad = record["scores"][0]["course"]["p_bad"].as_f64().unwrap();
+    assert!(stdout.contains(&format!("{p_bad:.4}")), "{stdout}");
+    // Occluded pixels are the hard ones: a scene that does not show it is too easy.
+    assert!(record["scores"][2]["course"]["p_bad"].as_f64().unwrap() > p_bad);
+    for table in ["scores.md", "scores.csv", "scores.json"] {
+        assert!(std::fs::metadata(out.join(table)).unwrap().len() > 100);
+    }
+}
+
+#[test]
+fn a_scene_that_is_not_there_is_answered_with_those_that_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, stderr) = run(folder.path(), &["demo", "--scenes", "venus"], 2);
+    assert!(stderr.contains("no scene matches `venus`; there are demo/"), "{stderr}");
+    assert!(!folder.path().join("hazcam-demo").exists());
+}
