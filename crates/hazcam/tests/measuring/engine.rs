@@ -31,8 +31,8 @@ fn every_preset_answers_the_box_and_nothing_else() {
             assert_eq!(attempt.status, Status::Done, "{}", attempt.log);
             let answer = attempt.answer.unwrap();
             let reasons = answer.reasons.unwrap();
-            for (y, row) in answer.disparity.row_iter().enumerate() {
-                for (x, value) in row.iter().enumerate() {
+            for y in 0..40 {
+                for (x, value) in answer.disparity.row(y).iter().enumerate() {
                     assert_eq!(value.is_finite(), bounds.contains(x, y), "{x}, {y}");
                     assert_eq!(reasons.row(y)[x] == Reason::OutsideBox, !bounds.contains(x, y));
                 }
