@@ -51,4 +51,8 @@ def disparity(answer, shape):
             "{} (rows, columns), whatever the box".format(answer.shape, shape)
         )
     with np.errstate(all="ignore"):
-        return np.ascontiguousarray(answer, dtype="<f4")
+        values = np.array(answer, dtype="<f4", order="C")
+    # Outside of the box anything goes, and inside of it neither is a disparity; the protocol knows
+    # NaN only.
+    values[np.isinf(values)] = np.nan
+    return values

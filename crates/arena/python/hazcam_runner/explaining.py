@@ -39,7 +39,8 @@ def _frames(error, folder):
 
 
 def _within(path, folder):
-    return os.path.abspath(path).startswith(os.path.join(folder, ""))
+    # Frames of the import machinery are called <frozen ...>.
+    return not path.startswith("<") and os.path.abspath(path).startswith(os.path.join(folder, ""))
 
 
 def _syntax(error, folder):

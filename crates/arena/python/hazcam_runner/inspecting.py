@@ -6,6 +6,7 @@ tests of that module need not be run. Whether the files exist is checked before 
 
 import ast
 import os
+import time
 
 from hazcam_runner import explaining, loading, older
 
@@ -47,7 +48,7 @@ def _look(path, name):
         yield None, "it is no Python source: {}".format(error), True
         return
     yield from _signature(tree, name)
-    advice = list(_stand_ins(tree)) + list(_older_names(tree))
+    advice = list(_stand_ins(tree)) + list(_older_names(tree)) + list(_small_types(tree))
     yield from sorted(advice, key=lambda each: each[0])
 
 
@@ -112,12 +113,34 @@ def _older_names(tree):
     for node in ast.walk(tree):
         if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
             continue
-        if node.value.id in ("np", "numpy") and node.attr in gone and node.attr not in seen:
+        if (node.value.id, node.attr) == ("time", "clock") and not hasattr(time, "clock"):
+            if node.attr not in seen:
+                seen.add(node.attr)
+                text = "time.clock is gone from Python; it is run as time.process_time, which you "
+                yield node.lineno, text + "should write", False
+        elif node.value.id in ("np", "numpy") and node.attr in gone and node.attr not in seen:
             seen.add(node.attr)
             text = "{0}.{1} is gone from numpy; it is run as {2}, which you should write".format(
                 node.value.id, node.attr, gone[node.attr]
             )
             yield node.lineno, text, False
+
+
+def _small_types(tree):
+    """Types in which differences of grey values wrap around."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        turned = node.args if getattr(node.func, "attr", None) == "astype" else []
+        for given in turned + [each.value for each in node.keywords if each.arg == "dtype"]:
+            name = getattr(given, "attr", None) or getattr(given, "value", None)
+            if name in ("uint8", "int8"):
+                text = (
+                    "numbers of type {} wrap around (in uint8, 3 - 5 is 254 and 200 + 100 is 44): "
+                    "leave grey values and disparities float32, as the images come".format(name)
+                )
+                yield node.lineno, text, False
+                return
 
 
 def _identify(folder):

@@ -20,7 +20,11 @@ def function(folder, name):
         also = "; it has {}".format(", ".join(others)) if others else ""
         raise Unusable("{0}.py has no function {0}{1}".format(name, also))
     if not callable(found):
-        raise Unusable("{0} in {0}.py is a {1} and no function".format(name, type(found).__name__))
+        raise Unusable(
+            "{0} in {0}.py is a {1} and no function: write `def {0}(...):`".format(
+                name, type(found).__name__
+            )
+        )
     return found
 
 

@@ -119,7 +119,7 @@ fn clip(disparity: &mut Plane<f32>, scene: &Scene, max: f32) -> Result<usize, St
     }
     match first {
         Some((x, y, value)) => Err(format!(
-            "{broken} pixels of the box are no numbers, the first in column {x}, row {y}: {value}; \
+            "{broken} pixels of the box are no finite numbers, the first in column {x}, row {y}: {value}; \
              give every pixel of the box a disparity from 0 to {max}"
         )),
         None => Ok(clipped),
@@ -166,7 +166,7 @@ mod tests {
         let failure = scored(vec![1.0, nan, 0.0, 0.0, 3.0, 0.0, f32::INFINITY, 0.0]).unwrap_err();
         assert_eq!(failure.outcome, Outcome::Bad);
         let message = failure.message;
-        assert!(message.starts_with("2 pixels of the box are no numbers"), "{message}");
+        assert!(message.starts_with("2 pixels of the box are no finite numbers"), "{message}");
         assert!(message.contains("column 1, row 0: NaN"), "{message}");
     }
 

@@ -1,5 +1,6 @@
 //! One run of one test, from empty folders to scores or the reason why there are none.
 
+use std::io;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
@@ -152,12 +153,18 @@ impl Bench<'_> {
         pair: &Pair<'_>,
         scene: &Scene,
     ) -> Attempt {
-        let job = match exchange::write_job(&place.job(), 1, pair, 1) {
+        let hidden = match exchange::write_job(&place.hidden(), 1, pair, 1) {
             Ok(job) => job,
             Err(error) => return Attempt::broken(error.to_string()),
         };
+        let job = place.shown(&hidden);
         let ended = match self.confinement.start(command, readable, place, cpu) {
-            Ok(confined) => confined.finish(&job),
+            // The clock starts when the images come within reach, so none of the work can be done
+            // before.
+            Ok(confined) => match place.show(&hidden, &job) {
+                Ok(()) => confined.finish(&job),
+                Err(error) => return Attempt::failed(in_the_way(&error)),
+            },
             Err(ended) => *ended,
         };
         let judged = judge(&ended, self.confinement.allowance.start);
@@ -218,6 +225,17 @@ impl Bench<'_> {
             Err(ended) => submission::Inspection::told(None, &ended.status),
         }
     }
+}
+
+/// The folder for images was empty before the entrant was started.
+fn in_the_way(error: &io::Error) -> Failure {
+    Failure::new(
+        Outcome::Bad,
+        format!(
+            "it put something where the images go, before they came ({error}): leave the folder of \
+             the job alone"
+        ),
+    )
 }
 
 /// The job by which the runner is asked for its findings; it carries no images.

@@ -1,6 +1,7 @@
 //! One engine process in a sandbox with folders of its own, from its start to its end.
 
 use std::ffi::OsString;
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -44,6 +45,7 @@ pub struct Confinement {
 /// ```text
 /// root/pid      the process number, for the watch; out of the entrant's reach
 /// root/home     working folder, home and place for temporary files; a submission's files are here
+/// root/hidden   the images until the entrant is ready; out of its reach
 /// root/job      images in, answer out
 /// ```
 #[derive(Debug)]
@@ -55,8 +57,9 @@ impl Workplace {
     pub fn new() -> io::Result<Self> {
         let root = tempfile::Builder::new().prefix("hazcam-grade-").tempdir()?;
         let this = Self { root };
-        std::fs::create_dir(this.home())?;
-        std::fs::create_dir(this.job())?;
+        for folder in [this.home(), this.hidden(), this.job()] {
+            fs::create_dir(folder)?;
+        }
         Ok(this)
     }
 
@@ -66,6 +69,30 @@ impl Workplace {
 
     pub fn job(&self) -> PathBuf {
         self.root.path().join("job")
+    }
+
+    pub fn hidden(&self) -> PathBuf {
+        self.root.path().join("hidden")
+    }
+
+    /// The job in the folder that the entrant reaches, instead of the hidden one.
+    pub fn shown(&self, hidden: &Job) -> Job {
+        let moved = |path: &Path| self.job().join(path.file_name().unwrap_or_default());
+        Job {
+            left: moved(&hidden.left),
+            right: moved(&hidden.right),
+            disparity: moved(&hidden.disparity),
+            reasons: moved(&hidden.reasons),
+            confidence: moved(&hidden.confidence),
+            ..hidden.clone()
+        }
+    }
+
+    /// Moves the images of a hidden job to where the entrant reaches them. Fails when the entrant
+    /// made a folder of their name there.
+    pub fn show(&self, hidden: &Job, shown: &Job) -> io::Result<()> {
+        fs::rename(&hidden.left, &shown.left)?;
+        fs::rename(&hidden.right, &shown.right)
     }
 
     fn pid_file(&self) -> PathBuf {

@@ -3,8 +3,9 @@
 //!
 //! It comes from somebody who is not trusted. [`Submission::open`] copies it into a folder of the
 //! grader's and looks at names and sizes only. Its functions are run as engines, through the
-//! [`Runner`] in the crate's folder `python/`, which belongs in a sandbox. Findings about the content ([`Finding`]) come from the same runner, because only Python can
-//! tell what Python will make of a file.
+//! [`Runner`] in the crate's folder `python/`, which belongs in a sandbox. Findings about the
+//! content ([`Finding`]) come from the same runner, because only Python can tell what Python will
+//! make of a file.
 
 mod archive;
 mod contents;

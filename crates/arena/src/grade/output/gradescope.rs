@@ -29,7 +29,9 @@ pub fn write(report: &Report) -> String {
     let mut leaderboard =
         vec![json!({ "name": "Points", "value": report.points, "order": "desc" })];
     if let Some(cpu) = report.cpu_seconds() {
-        leaderboard.push(json!({ "name": "CPU seconds", "value": cpu, "order": "asc" }));
+        leaderboard.push(
+            json!({ "name": "CPU seconds", "value": (cpu * 1e3).round() / 1e3, "order": "asc" }),
+        );
     }
     let results = json!({
         "score": report.points,

@@ -24,17 +24,17 @@ pub fn write(report: &Report) -> String {
             test.usage.wall_seconds
         ));
         let text = escaped(&details(test).join("\n"));
-        let tag = match test.outcome {
-            Outcome::Xx => "error",
-            _ => "failure",
+        let (tag, meaning) = match test.outcome {
+            Outcome::Xx => ("error", test.outcome.meaning()),
+            Outcome::Ok => ("failure", "above a threshold"),
+            _ => ("failure", test.outcome.meaning()),
         };
         if test.passes() {
             xml.push_str(&format!("      <system-out>{text}</system-out>\n"));
         } else {
             xml.push_str(&format!(
-                "      <{tag} type=\"{}\" message=\"{}: {} of {} points\">{text}</{tag}>\n",
+                "      <{tag} type=\"{}\" message=\"{meaning}: {} of {} points\">{text}</{tag}>\n",
                 test.outcome,
-                test.outcome.meaning(),
                 points(test.points),
                 points(test.max_points)
             ));
@@ -74,6 +74,7 @@ mod tests {
             xml.contains("name=\"Three &lt;tests&gt;\" tests=\"3\" failures=\"2\" errors=\"0\"")
         );
         assert!(xml.contains("<testcase classname=\"her &amp; his\" name=\"One\" time=\"1.500\">"));
+        assert!(xml.contains("<failure type=\"OK\" message=\"above a threshold: 0 of 7 points\">"));
         assert!(xml.contains("<failure type=\"RE\" message=\"run-time error: 0 of 7 points\">"));
         assert!(xml.contains("E_RMS 9.50 px is above 8"));
         report.tests[2].outcome = Outcome::Xx;

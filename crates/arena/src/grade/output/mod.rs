@@ -16,8 +16,10 @@ fn details(test: &TestResult) -> Vec<String> {
             scores.e_rms, test.max_e_rms, scores.p_bad, test.max_p_bad, scores.pixels
         ));
     }
-    if let Some(shortfall) = test.shortfall() {
-        lines.extend(shortfall.lines().map(str::to_owned));
+    if let Some(message) = &test.message {
+        lines.extend(message.lines().map(str::to_owned));
+    } else if let Some(shortfall) = test.shortfall() {
+        lines.push(format!("no points: {shortfall}"));
     }
     if test.usage.wall_seconds > 0.0 {
         lines.push(text::usage(test));

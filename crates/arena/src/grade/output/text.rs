@@ -1,7 +1,17 @@
 //! For people: a line when a test begins, its result when it has ended, a summary.
 
-use super::super::{Report, Test, TestResult};
+use super::super::{Grader, Report, Test, TestResult};
 use super::points;
+
+/// Before everything: what is graded, by what, how it is confined.
+pub fn header(grader: &Grader<'_>, entrant: &str) -> String {
+    let confined = match grader.confinement.helper {
+        Some(_) => "in a sandbox",
+        None => "WITHOUT A SANDBOX, with all rights of whoever grades",
+    };
+    let (name, points) = (&grader.scheme.name, points(grader.scheme.points()));
+    format!("{name} ({points} points): {entrant}, {confined}\n\n")
+}
 
 /// Before a test: its name and its limit of CPU time.
 pub fn begins(test: &Test) -> String {
@@ -22,8 +32,10 @@ pub fn ended(test: &TestResult) -> String {
     if test.usage.wall_seconds > 0.0 {
         text.push_str(&indented(&usage(test)));
     }
-    if test.message.is_some() {
-        text.push_str(&indented(&test.shortfall().unwrap_or_default()));
+    if let Some(message) = &test.message {
+        text.push_str(&indented(message));
+    } else if let Some(shortfall) = test.shortfall() {
+        text.push_str(&indented(&format!("no points: {shortfall}")));
     }
     for remark in &test.remarks {
         text.push_str(&indented(&format!("note: {remark}")));
@@ -116,7 +128,8 @@ mod tests {
              CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
              note: 3 of the 9 pixels were clipped\n  \
              OK    0 of 7 points   E_RMS   9.50 px (at most 8)   p_bad 0.0833 (at most 0.17)\n       \
-             CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n  \
+             CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
+             no points: E_RMS 9.50 px is above 8\n  \
              RE    0 of 7 points\n       \
              CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
              stereo_disparity_best.py, line 3, in stereo_disparity_best\n           1 / 0\n       \

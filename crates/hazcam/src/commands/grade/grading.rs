@@ -144,6 +144,11 @@ impl Workshop {
 }
 
 impl GradingArguments {
+    /// Whether entrants run in a sandbox.
+    pub fn is_confined(&self) -> bool {
+        !self.no_sandbox
+    }
+
     fn read_scheme(&self) -> anyhow::Result<Scheme> {
         let mut scheme = match &self.scheme {
             Some(path) => {

@@ -7,7 +7,6 @@ pub mod entrant;
 pub mod grading;
 pub mod scenes;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -79,8 +78,15 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
-    let mut shown = Ok(());
-    let report = workshop.grader()?.grade(&name, &entrant, &mut |event| {
+    let grader = workshop.grader()?;
+    if !args.grading.is_confined() {
+        ui.warn("no sandbox: what is graded can read, change and send away all your files");
+    }
+    let mut shown = match shows_text {
+        true => ui.print(&text::header(&grader, &name)),
+        false => Ok(()),
+    };
+    let report = grader.grade(&name, &entrant, &mut |event| {
         // A reader that went away must not keep the results from their file.
         if shows_text && shown.is_ok() {
             shown = show(&event, ui);
