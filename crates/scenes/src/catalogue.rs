@@ -3,9 +3,10 @@
 use crate::kinds::Kind;
 use crate::settings::{Depth, Settings};
 
-/// The scenes that `hazcam demo` renders and matches: small, and each hard in its own way.
+/// The scenes that `hazcam demo` renders and matches: small, and each hard in its own way. One for
+/// every kind, from cards, where only occlusion is hard, to a room in which everything is.
 pub fn demo_scenes() -> Vec<Settings> {
-    vec![Settings::new(Kind::Cards, 1)]
+    Kind::NAMED.map(|kind| Settings::new(kind, 1)).to_vec()
 }
 
 /// Scenes that each strain one assumption of a matcher, with a label that says which and how

@@ -1,6 +1,7 @@
-//! Where matching is known to be hard, by the definitions of Scharstein & Szeliski, *A taxonomy
-//! and evaluation of dense two-frame stereo correspondence algorithms*, IJCV 47 (2002), section
-//! 5.1, with the parameters of their evaluation.
+//! Where matching is known to be hard. Discontinuities and textureless areas are those of
+//! Scharstein & Szeliski, *A taxonomy and evaluation of dense two-frame stereo correspondence
+//! algorithms*, IJCV 47 (2002), section 5.1, with the parameters of their evaluation. Thin things
+//! are what is narrower than the usual windows of matchers.
 
 use raster::Plane;
 
@@ -13,6 +14,8 @@ pub const DISCONTINUITY_WINDOW: usize = 9;
 pub const TEXTURELESS_THRESHOLD: f32 = 4.0;
 /// Side in pixels of the square window over which gradients are averaged.
 pub const TEXTURELESS_WINDOW: usize = 3;
+/// A thing up to this many pixels wide (or high) before something farther is thin.
+pub const THIN_WIDTH: usize = 6;
 
 /// Pixels within a [`DISCONTINUITY_WINDOW`] of a pixel whose disparity differs from one of its
 /// four neighbours' by more than [`DISCONTINUITY_GAP`].
@@ -41,6 +44,27 @@ pub(crate) fn textureless(grey: &Plane<f32>) -> Plane<bool> {
     });
     window_sums(&squares, TEXTURELESS_WINDOW / 2)
         .map(|&(sum, count)| sum < TEXTURELESS_THRESHOLD * count as f32)
+}
+
+/// Pixels of things at most [`THIN_WIDTH`] pixels wide or high, with something farther by more than
+/// [`DISCONTINUITY_GAP`] on both sides in their row, or in their column.
+pub(crate) fn thin(truth: &Plane<f32>) -> Plane<bool> {
+    let (columns, rows) = truth.size();
+    Plane::from_fn(columns, rows, |x, y| {
+        let here = truth.row(y)[x];
+        let is_farther = |x: usize, y: usize| here - truth.row(y)[x] > DISCONTINUITY_GAP;
+        // Pixels to the first farther one; with the pixel itself counted once on each side, both
+        // together are one more than the width.
+        let fits = |before: Option<usize>, after: Option<usize>| {
+            before.zip(after).is_some_and(|(before, after)| before + after <= THIN_WIDTH + 1)
+        };
+        let reach = 1..=THIN_WIDTH;
+        let left = reach.clone().find(|&n| x >= n && is_farther(x - n, y));
+        let right = reach.clone().find(|&n| x + n < columns && is_farther(x + n, y));
+        let above = reach.clone().find(|&n| y >= n && is_farther(x, y - n));
+        let below = reach.clone().find(|&n| y + n < rows && is_farther(x, y + n));
+        fits(left, right) || fits(above, below)
+    })
 }
 
 /// Sum and number of the samples at most `reach` columns and rows away; windows are cut at the
@@ -73,6 +97,23 @@ mod tests {
         // A gap of exactly 2 is none.
         let truth = Plane::from_fn(20, 3, |x, _| if x < 10 { 1.0 } else { 3.0 });
         assert!(discontinuity(&truth).samples().iter().all(|&d| !d));
+    }
+
+    #[test]
+    fn six_pixels_are_thin_and_seven_are_not() {
+        for (width, expected) in [(1, true), (6, true), (7, false)] {
+            let near = 10..10 + width;
+            let row = Plane::from_fn(30, 1, |x, _| if near.contains(&x) { 9.0 } else { 3.0 });
+            let column = Plane::from_fn(1, 30, |_, y| row.row(0)[y]);
+            for mask in [thin(&row), thin(&column)] {
+                let set: Vec<usize> = (0..30).filter(|&i| mask.samples()[i]).collect();
+                let all: Vec<usize> = near.clone().filter(|_| expected).collect();
+                assert_eq!(set, all, "{width}");
+            }
+        }
+        // What reaches the border may go on beyond it.
+        let cut = Plane::from_fn(30, 1, |x, _| if x < 3 { 9.0 } else { 3.0 });
+        assert!(thin(&cut).samples().iter().all(|&set| !set));
     }
 
     #[test]

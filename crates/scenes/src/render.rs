@@ -50,6 +50,10 @@ pub struct Scene {
     pub discontinuity: Plane<bool>,
     /// Left pixels without texture before noise ([`crate::TEXTURELESS_THRESHOLD`]).
     pub textureless: Plane<bool>,
+    /// Left pixels of things a few pixels wide or high ([`crate::THIN_WIDTH`]).
+    pub thin: Plane<bool>,
+    /// Left pixels of surfaces whose texture repeats: stripes, checks, dots, windows.
+    pub repeated: Plane<bool>,
     /// The disparities to search: no truth lies outside.
     pub range: DisparityRange,
     /// The cameras, or `None` when both stand at one place (a range of one disparity).
@@ -74,6 +78,8 @@ pub fn render(settings: &Settings) -> Result<Scene, SettingsError> {
         occluded: occluded(&world, &rig, &depth),
         discontinuity: masks::discontinuity(&truth_left),
         textureless: masks::textureless(&grey),
+        thin: masks::thin(&truth_left),
+        repeated: repeated(&world, &rig, settings),
         truth_left,
         range,
         camera: StereoCamera::new(rig.focal, rig.baseline, rig.doffs, rig.cx, rig.cy).ok(),
@@ -119,6 +125,14 @@ fn occluded(world: &World, rig: &Rig, depth: &Plane<f64>) -> Plane<bool> {
         }
         let before = world.distance(&rig.ray(Side::Right, x, y), first_depth(rig));
         rig.disparity(before) > d + OCCLUSION_TOLERANCE
+    })
+}
+
+/// Where the surface at the pixel's centre has a repeated texture that shows.
+fn repeated(world: &World, rig: &Rig, settings: &Settings) -> Plane<bool> {
+    by_rows(rig, |x, y| {
+        let hit = world.hit(&rig.ray(Side::Left, x as f64, y as f64), first_depth(rig));
+        settings.contrast > 0.0 && hit.is_some_and(|hit| hit.material.pattern.is_repeated())
     })
 }
 

@@ -80,7 +80,7 @@ impl Rig {
             near,
             cx: 0.5 * (settings.columns - 1) as f64,
             cy: 0.5 * (settings.rows - 1) as f64,
-            doffs: -f64::from(settings.min_disparity),
+            doffs: f64::from(-settings.min_disparity),
             vertical: settings.vertical_offset,
             columns: settings.columns,
             rows: settings.rows,

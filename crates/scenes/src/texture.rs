@@ -136,6 +136,15 @@ fn pulse(x: f64, duty: f64, width: f64) -> f64 {
 }
 
 impl Pattern {
+    /// Whether it looks alike at every period, so that a matcher can be wrong by whole periods.
+    /// Bricks do not: each has its own shade.
+    pub fn is_repeated(self) -> bool {
+        matches!(
+            self,
+            Self::Stripes { .. } | Self::Checks { .. } | Self::Dots { .. } | Self::Windows { .. }
+        )
+    }
+
     /// The pattern's value in [0, 1] at a point, averaged over about `footprint`.
     fn value(&self, p: Vector, footprint: f64, seed: u64) -> f64 {
         match *self {
