@@ -1,43 +1,60 @@
 //! A fixed square window, by running sums.
 //!
-//! `C(x, y, d) = V(x - r, y, d) + ... + V(x + r, y, d)` over the columns that lie in the image,
-//! where `V` are sums down the window's columns. From one column to the next one column enters and
-//! one leaves: four operations per pixel and disparity for any window (McDonnell, *Box-Filtering
-//! Techniques*, 1981).
+//! `C(x, y, d) = sum of |L(x', y') - R(x' - d, y')| over |x' - x| <= r, |y' - y| <= r`, the window
+//! clipped at the image's border: all disparities of a pixel are compared over the same left
+//! pixels, so nothing needs to be normalised.
 //!
-//! At the image's border the window is clipped: all disparities of a pixel are compared over the
-//! same left pixels, so nothing needs to be normalised.
+//! From one row to the next one row enters the window and one leaves it, from one column to the
+//! next one column of sums: a handful of operations per pixel and disparity for any window
+//! (McDonnell, *Box-Filtering Techniques*, 1981). [`crate::kernels::sad`] does the sums and finds
+//! the winners while they are at hand; here the window is led down a band of rows.
+//!
+//! In: grey images. Out: the winners of one row after the other. Rows above the band are summed up
+//! anew, so bands of any height give the same winners.
 
-/// Sums column sums over the window. Columns `first ..= last` are answered, with `radius` more on
-/// both sides as far as the image goes: `margin` of them before `first`.
-pub(crate) fn sum_along_row(
-    columns: &[u16],
-    lanes: usize,
-    margin: usize,
-    radius: usize,
-    running: &mut [u16],
-    costs: &mut [u16],
-) {
-    let supplied = columns.len() / lanes;
-    let column = |c: usize| &columns[c * lanes..][..lanes];
-    running.fill(0);
-    for c in 0..(margin + radius).min(supplied) {
-        for (sum, &v) in running.iter_mut().zip(column(c)) {
-            *sum += v;
+use crate::cost::SearchSpace;
+use crate::cost::absolute_difference::{FilteredRows, supporting_columns};
+use crate::kernels::level::Level;
+use crate::kernels::sad::{RADIUS, Sad, Winners, match_row, slide_down};
+use crate::prepare::grey::GreyView;
+
+/// A window that slides down the rows of two images, with its memory.
+#[derive(Debug, Default)]
+pub(crate) struct SlidingWindow {
+    rows: FilteredRows,
+    sums: Sad,
+}
+
+impl SlidingWindow {
+    /// Gives the winners of rows `first ..` to `each`, `count` rows in turn. The images are `height`
+    /// rows high.
+    pub fn slide(
+        &mut self,
+        level: Level,
+        images: [GreyView<'_>; 2],
+        space: &SearchSpace,
+        height: usize,
+        (first, count): (usize, usize),
+        mut each: impl FnMut(usize, &Winners),
+    ) {
+        let Self { rows, sums } = self;
+        let (c0, c1) = supporting_columns(space);
+        rows.begin(space);
+        sums.begin(space, c1 - c0 + 1);
+        let top = first.saturating_sub(RADIUS);
+        for y in top..(first + RADIUS).min(height) {
+            rows.load(level, images, space, y);
+            slide_down(level, sums, space.lanes, rows.row(y), rows.nothing());
         }
-    }
-    for (x, costs) in costs.chunks_exact_mut(lanes).enumerate() {
-        let centre = margin + x;
-        if centre + radius < supplied {
-            for (sum, &v) in running.iter_mut().zip(column(centre + radius)) {
-                *sum += v;
+        for y in first..first + count {
+            let below = y + RADIUS;
+            if below < height {
+                rows.load(level, images, space, below);
             }
-        }
-        costs.copy_from_slice(running);
-        if centre >= radius {
-            for (sum, &v) in running.iter_mut().zip(column(centre - radius)) {
-                *sum -= v;
-            }
+            let entering = if below < height { rows.row(below) } else { rows.nothing() };
+            let leaving = if y > top + RADIUS { rows.row(y - RADIUS - 1) } else { rows.nothing() };
+            match_row(level, sums, space, space.first - c0, entering, leaving);
+            each(y - first, &sums.winners);
         }
     }
 }
@@ -45,33 +62,33 @@ pub(crate) fn sum_along_row(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raster::{BoundingBox, DisparityRange, Plane};
 
     #[test]
-    fn running_sums_equal_the_naive_window_sum() {
-        let (width, lanes) = (11, 16);
-        let columns: Vec<u16> = (0..width * lanes).map(|i| (i * i % 97) as u16).collect();
-        for (first, last) in [(0, 10), (2, 8), (5, 5), (0, 0), (10, 10)] {
-            for radius in 0..14 {
-                let (c0, c1) = (first.max(radius) - radius, (last + radius).min(width - 1));
-                let mut costs = vec![0; (last - first + 1) * lanes];
-                sum_along_row(
-                    &columns[c0 * lanes..(c1 + 1) * lanes],
-                    lanes,
-                    first - c0,
-                    radius,
-                    &mut vec![0; lanes],
-                    &mut costs,
-                );
-                for x in first..=last {
-                    for k in 0..lanes {
-                        let naive: u16 = (0..width)
-                            .filter(|c| c.abs_diff(x) <= radius)
-                            .map(|c| columns[c * lanes + k])
-                            .sum();
-                        assert_eq!(costs[(x - first) * lanes + k], naive, "x {x} radius {radius}");
-                    }
-                }
+    fn bands_of_any_height_give_the_same_winners() {
+        let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
+        let left = Plane::from_fn(50, 23, scramble);
+        let right = Plane::from_fn(50, 23, |x, y| scramble(x + 5, y));
+        let images = [&left, &right].map(|image| GreyView::Depth8(image.view()));
+        let range = DisparityRange::new(0, 20).unwrap();
+        let space = SearchSpace::new(50, BoundingBox::new(3, 2, 48, 21).unwrap(), range);
+        let winners = |height: usize| {
+            let mut window = SlidingWindow::default();
+            let mut all = Vec::new();
+            for first in (2..=21).step_by(height) {
+                let rows = (first, height.min(22 - first));
+                window.slide(Level::detect(), images, &space, 23, rows, |row, winners| {
+                    all.push((first + row, winners.clone()));
+                });
             }
+            all
+        };
+        let whole = winners(20);
+        for height in 1..20 {
+            assert!(winners(height) == whole, "bands of {height}");
         }
+        // Away from the border, where the window finds what the right image was shifted by.
+        let (y, row) = &whole[8];
+        assert_eq!((*y, row.index[20], row.least[20]), (10, 5, 0));
     }
 }

@@ -2,4 +2,6 @@
 //! vectorises, and the test that they agree bit for bit at every level of the processor.
 
 pub mod level;
+pub(crate) mod median;
 pub(crate) mod path;
+pub(crate) mod sad;

@@ -28,8 +28,8 @@ use crate::cost::SearchSpace;
 pub(crate) const RADIUS: usize = 4;
 /// No difference of the filtered images may be larger: sums down a column must fit a byte.
 pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / (2 * RADIUS as u8 + 1);
-/// What stands for "cannot be tried": no sum over the window comes near.
-const OUT: u16 = 0x8000;
+/// Sums from here on stand for "cannot be tried": no sum over the window comes near.
+pub(crate) const OUT: u16 = 0x8000;
 
 /// Disparities are handled in groups of this many.
 const GROUP: usize = 32;

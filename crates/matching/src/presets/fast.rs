@@ -1,231 +1,240 @@
 #![doc = include_str!("fast.md")]
 
-use raster::{BoundingBox, DisparityMap, Plane, Reason};
+use raster::{DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
-use crate::aggregation::window::sum_along_row;
+use crate::aggregation::window::SlidingWindow;
 use crate::cost::SearchSpace;
-use crate::cost::absolute_difference::{add_row, reverse_row, subtract_row};
+use crate::kernels::level::Level;
+use crate::kernels::median::median_of_5_rows;
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
-use crate::prepare::prefilter::clipped_gradient;
-use crate::refinement::median::median_row;
-use crate::refinement::row_fill::{fill_row, filled};
-use crate::selection::cross_check::cross_check;
-use crate::selection::winner::{NONE, fraction, left_winners, right_winners};
+use crate::refinement::groups::{Groups, LARGEST};
+use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
+pub(super) use crate::refinement::row_fill::{fill_rows, hole};
+use crate::selection::confirm::confirm_row;
+use crate::selection::fixed_point::{FixedPoint, HOLE};
 use crate::{Holes, MatchError};
 
-/// Half the window: it is `2 RADIUS + 1` pixels wide and high.
-const RADIUS: usize = 5;
-/// The gradient is clipped to plus and minus this.
-const CLIP: u8 = 31;
-/// How far the two views may disagree, in pixels.
-const TOLERANCE: u16 = 1;
-/// Half the window of the last median.
-const MEDIAN_RADIUS: usize = 2;
-
-// The sum over a window must fit its 16 bits, below the value that stands for "not tried".
-const _: () = assert!((2 * RADIUS + 1).pow(2) * 2 * (CLIP as usize) < u16::MAX as usize);
+/// Neighbours of one group differ by at most so many pixels.
+const GROUP_STEP: f32 = 1.0;
+/// Smaller groups are not believed: so many pixels, or this part of a small box.
+const LEAST_GROUP: usize = 200;
+const LEAST_PART: usize = 20;
+/// Neighbours across a gap that differ by at most so many pixels are of one surface.
+const SAME_SURFACE: f32 = 5.0;
 
 /// The stages of `fast` and their memory.
-#[derive(Default)]
 pub(crate) struct Fast {
-    grey: GreyBuffer,
-    left: Plane<u8>,
-    right: Plane<u8>,
+    level: Level,
+    grey: [GreyBuffer; 2],
     bands: Vec<Band>,
-    filled: Plane<f32>,
-    reasons: Plane<Reason>,
-    confidence: Plane<f32>,
+    disparities: Plane<u16>,
+    groups: Groups,
 }
 
 /// The scratch memory of one band of rows.
 #[derive(Default)]
 struct Band {
-    columns: Vec<u16>,
-    running: Vec<u16>,
-    costs: Vec<u16>,
-    reversed: Vec<u8>,
-    left: Vec<u16>,
-    right: Vec<u16>,
-    least: Vec<u16>,
-    pointed_at: Vec<bool>,
+    window: SlidingWindow,
+    opposite: Vec<u16>,
+    medians: Vec<u16>,
 }
 
-/// The filtered images: their rows begin at row `top` of the image.
-#[derive(Clone, Copy)]
-struct Pair<'a> {
-    left: &'a Plane<u8>,
-    right: &'a Plane<u8>,
-    top: usize,
-}
+impl Fast {
+    pub fn new(level: Level) -> Self {
+        Self {
+            level,
+            grey: Default::default(),
+            bands: Vec::new(),
+            disparities: Plane::default(),
+            groups: Groups::default(),
+        }
+    }
 
-fn resize<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
-    buffer.clear();
-    buffer.resize(length, value);
-}
-
-impl Band {
-    /// Answers the rows that `values` holds, the first of which is row `first_row` of the image.
-    fn run(
+    /// [`Pipeline::run`] in bands of `height` rows: the answer does not depend on it.
+    fn run_in_bands(
         &mut self,
-        pair: Pair<'_>,
+        frame: &Frame<'_>,
+        height: usize,
+        map: &mut DisparityMap,
+    ) -> Result<(), MatchError> {
+        let (columns, rows) = (frame.bounds.columns(), frame.bounds.rows());
+        if columns * rows > LARGEST {
+            let [needed, limit] = [columns * rows, LARGEST].map(|n| 4 * n as u64);
+            return Err(MatchError::Memory { needed, limit });
+        }
+        let space = SearchSpace::new(frame.size().0, frame.bounds, frame.range);
+        let numbers = FixedPoint::new(&space);
+        self.disparities.reset(columns, rows, HOLE);
+        self.bands.resize_with(rows.div_ceil(height), Band::default);
+        if space.count > 0 {
+            self.find_winners(frame, &space, numbers, height, map);
+            let step = numbers.steps(GROUP_STEP);
+            self.groups.find(self.level, self.disparities.samples(), columns, step, height);
+            self.fill_gaps(frame, numbers, height, map);
+        }
+        if self.fill_empty_rows(frame, numbers, map) {
+            self.smooth(frame, numbers, height, map);
+        }
+        if frame.holes == Holes::Keep {
+            open_holes(frame, map);
+        }
+        Ok(())
+    }
+
+    /// Steps 1 to 6: disparities that the right view confirms, and their confidence.
+    fn find_winners(
+        &mut self,
+        frame: &Frame<'_>,
         space: &SearchSpace,
-        first_row: usize,
-        values: &mut [f32],
-        reasons: &mut [Reason],
-        confidence: &mut [f32],
+        numbers: FixedPoint,
+        height: usize,
+        map: &mut DisparityMap,
     ) {
-        let lanes = space.lanes;
-        let (c0, c1) =
-            (space.first.saturating_sub(RADIUS), (space.last + RADIUS).min(space.width - 1));
-        let supplied = c1 - c0 + 1;
-        resize(&mut self.columns, supplied * lanes, 0);
-        resize(&mut self.running, lanes, 0);
-        resize(&mut self.costs, space.columns() * lanes, 0);
-        resize(&mut self.reversed, supplied + lanes, 0);
-        resize(&mut self.left, space.columns(), NONE);
-        resize(&mut self.right, space.width, NONE);
-        resize(&mut self.least, space.width, 0);
-        resize(&mut self.pointed_at, space.columns(), false);
-        let bottom = pair.top + pair.left.rows() - 1;
-        let rows = values
-            .chunks_exact_mut(space.columns())
-            .zip(reasons.chunks_exact_mut(space.columns()))
-            .zip(confidence.chunks_exact_mut(space.columns()));
-        for (row, ((values, reasons), confidence)) in rows.enumerate() {
-            let y = first_row + row;
-            let entering = if row == 0 { y.saturating_sub(RADIUS)..y + RADIUS } else { 0..0 };
-            for y in entering.chain([y + RADIUS]).filter(|&y| y <= bottom) {
-                let left = &pair.left.row(y - pair.top)[c0..=c1];
-                let right = pair.right.row(y - pair.top);
-                reverse_row(right, c1 as i64 - i64::from(space.min), &mut self.reversed);
-                add_row(left, &self.reversed, lanes, &mut self.columns);
+        let (bounds, (width, image_height)) = (frame.bounds, frame.size());
+        let (columns, level) = (bounds.columns(), self.level);
+        let [left, right] = &mut self.grey;
+        let images = [left.view(frame.left), right.view(frame.right)];
+        let confidence = rows_of_box(frame, &mut map.confidence);
+        self.bands
+            .par_iter_mut()
+            .zip(self.disparities.samples_mut().par_chunks_mut(height * columns))
+            .zip(confidence.par_chunks_mut(height * width))
+            .enumerate()
+            .for_each(|(i, ((band, disparities), confidence))| {
+                let Band { window, opposite, .. } = band;
+                opposite.resize(columns, 0);
+                let rows = (bounds.y0 + i * height, disparities.len() / columns);
+                window.slide(level, images, space, image_height, rows, |row, winners| {
+                    let disparities = &mut disparities[row * columns..][..columns];
+                    let confidence = &mut confidence[row * width + bounds.x0..][..columns];
+                    confirm_row(level, winners, space, numbers, opposite, disparities, confidence);
+                });
+            });
+    }
+
+    /// Steps 7 and 8, row by row: small groups out, gaps filled.
+    fn fill_gaps(
+        &mut self,
+        frame: &Frame<'_>,
+        numbers: FixedPoint,
+        height: usize,
+        map: &mut DisparityMap,
+    ) {
+        let (bounds, (width, _)) = (frame.bounds, frame.size());
+        let columns = bounds.columns();
+        let least = LEAST_GROUP.min(columns * bounds.rows() / LEAST_PART);
+        let filling =
+            Filling { width, first: bounds.x0, numbers, same_surface: numbers.steps(SAME_SURFACE) };
+        let groups = &self.groups;
+        let reasons = rows_of_box(frame, &mut map.reasons).par_chunks_mut(height * width);
+        let confidence = rows_of_box(frame, &mut map.confidence).par_chunks_mut(height * width);
+        let bands = self.disparities.samples_mut().par_chunks_mut(height * columns);
+        bands.zip(reasons).zip(confidence).enumerate().for_each(
+            |(i, ((disparities, reasons), confidence))| {
+                let rows = disparities
+                    .chunks_exact_mut(columns)
+                    .zip(reasons.chunks_exact_mut(width))
+                    .zip(confidence.chunks_exact_mut(width));
+                for (y, ((disparities, reasons), confidence)) in (i * height..).zip(rows) {
+                    let believed =
+                        groups.runs(y).filter(|(_, size)| *size >= least).map(|(run, _)| run);
+                    let row = Row {
+                        disparities,
+                        reasons: &mut reasons[bounds.x0..=bounds.x1],
+                        confidence: &mut confidence[bounds.x0..=bounds.x1],
+                    };
+                    filling.fill_between(believed, row);
+                }
+            },
+        );
+    }
+
+    /// The rest of step 8: rows without any value. Says whether there was one at all; without, the
+    /// map is complete.
+    fn fill_empty_rows(
+        &mut self,
+        frame: &Frame<'_>,
+        numbers: FixedPoint,
+        map: &mut DisparityMap,
+    ) -> bool {
+        let (bounds, (width, _)) = (frame.bounds, frame.size());
+        let columns = bounds.columns();
+        let nowhere = frame.range.min().max(0).min(frame.range.max()) as f32;
+        let reasons = &mut map.reasons;
+        let values = self.disparities.samples_mut();
+        copy_nearest_rows(
+            values,
+            columns,
+            |steps| steps == HOLE,
+            HOLE,
+            |y, row| {
+                let reasons = &mut reasons.row_mut(bounds.y0 + y)[bounds.x0..=bounds.x1];
+                for ((x, &steps), reason) in (bounds.x0..).zip(row).zip(reasons) {
+                    let value = if steps == HOLE { nowhere } else { numbers.pixels(steps) };
+                    *reason = filled(width, x, value, Reason::MismatchedHole);
+                }
+            },
+        );
+        let any = self.disparities.row(0)[0] != HOLE;
+        if !any {
+            for y in bounds.y0..=bounds.y1 {
+                map.values.row_mut(y)[bounds.x0..=bounds.x1].fill(nowhere);
             }
-            sum_along_row(
-                &self.columns,
-                lanes,
-                space.first - c0,
-                RADIUS,
-                &mut self.running,
-                &mut self.costs,
-            );
-            if y >= RADIUS {
-                let y = y - RADIUS;
-                let left = &pair.left.row(y - pair.top)[c0..=c1];
-                let right = pair.right.row(y - pair.top);
-                reverse_row(right, c1 as i64 - i64::from(space.min), &mut self.reversed);
-                subtract_row(left, &self.reversed, lanes, &mut self.columns);
-            }
-            left_winners(space, &self.costs, &mut self.left);
-            right_winners(space, &self.costs, &mut self.least, &mut self.right);
-            cross_check(space, &self.left, &self.right, TOLERANCE, &mut self.pointed_at, reasons);
-            for (x, value) in values.iter_mut().enumerate() {
-                let k = usize::from(self.left[x]);
-                if reasons[x] == Reason::Matched {
-                    let costs = &self.costs[x * lanes..][..lanes];
-                    let fraction = fraction(costs, k, space.candidates(space.first + x));
-                    *value = (space.min + k as i32) as f32 + fraction;
-                    confidence[x] = 1.0;
+        }
+        any
+    }
+
+    /// Step 9: the median, and disparities in pixels.
+    fn smooth(
+        &mut self,
+        frame: &Frame<'_>,
+        numbers: FixedPoint,
+        height: usize,
+        map: &mut DisparityMap,
+    ) {
+        let (bounds, (width, _), level) = (frame.bounds, frame.size(), self.level);
+        let (columns, rows) = (bounds.columns(), bounds.rows());
+        let disparities = &self.disparities;
+        let values = rows_of_box(frame, &mut map.values).par_chunks_mut(height * width);
+        self.bands.par_iter_mut().zip(values).enumerate().for_each(|(i, (band, values))| {
+            band.medians.resize(columns, 0);
+            for (y, values) in (i * height..).zip(values.chunks_exact_mut(width)) {
+                let near = std::array::from_fn(|dy| {
+                    disparities.row((y + dy).saturating_sub(2).min(rows - 1))
+                });
+                median_of_5_rows(level, near, &mut band.medians);
+                let values = &mut values[bounds.x0..=bounds.x1];
+                for (value, &steps) in values.iter_mut().zip(&band.medians) {
+                    *value = numbers.pixels(steps);
                 }
             }
-            fill_row(space.width, space.first, values, reasons);
-        }
+        });
     }
 }
 
 impl Pipeline for Fast {
     fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError> {
-        let bounds = frame.bounds;
-        let (width, height) = frame.size();
-        let top = bounds.y0.saturating_sub(RADIUS);
-        let bottom = (bounds.y1 + RADIUS).min(height - 1);
-        clipped_gradient(self.grey.view(frame.left), (top, bottom), CLIP, &mut self.left);
-        clipped_gradient(self.grey.view(frame.right), (top, bottom), CLIP, &mut self.right);
-
-        let space = SearchSpace::new(width, bounds, frame.range);
-        let (columns, rows) = (bounds.columns(), bounds.rows());
-        self.filled.reset(columns, rows, f32::NAN);
-        self.reasons.reset(columns, rows, Reason::OccludedHole);
-        self.confidence.reset(columns, rows, 0.0);
-        if space.count > 0 {
-            let bands = rayon::current_num_threads().min(rows);
-            let height = rows.div_ceil(bands);
-            self.bands.resize_with(bands, Band::default);
-            let pair = Pair { left: &self.left, right: &self.right, top };
-            self.bands
-                .par_iter_mut()
-                .zip(self.filled.samples_mut().par_chunks_mut(height * columns))
-                .zip(self.reasons.samples_mut().par_chunks_mut(height * columns))
-                .zip(self.confidence.samples_mut().par_chunks_mut(height * columns))
-                .enumerate()
-                .for_each(|(i, (((band, values), reasons), confidence))| {
-                    band.run(pair, &space, bounds.y0 + i * height, values, reasons, confidence);
-                });
-        }
-        let nowhere = frame.range.min().max(0).min(frame.range.max()) as f32;
-        fill_rows(&mut self.filled, &mut self.reasons, (width, bounds), nowhere);
-
-        let band = map.values.samples_mut().par_chunks_mut(width);
-        let reasons = map.reasons.samples_mut().par_chunks_mut(width);
-        let confidence = map.confidence.samples_mut().par_chunks_mut(width);
-        let (filled, found, sure) = (&self.filled, &self.reasons, &self.confidence);
-        band.zip(reasons).zip(confidence).skip(bounds.y0).take(rows).enumerate().for_each(
-            |(y, ((values, reasons), confidence))| {
-                let answered = bounds.x0..=bounds.x1;
-                let values = &mut values[answered.clone()];
-                median_row(filled.samples(), columns, y, MEDIAN_RADIUS, values);
-                let reasons = &mut reasons[answered.clone()];
-                reasons.copy_from_slice(found.row(y));
-                confidence[answered].copy_from_slice(sure.row(y));
-                if frame.holes == Holes::Keep {
-                    for (value, reason) in values.iter_mut().zip(reasons) {
-                        *reason = hole(*reason);
-                        if !reason.has_value() {
-                            *value = f32::NAN;
-                        }
-                    }
-                }
-            },
-        );
-        Ok(())
+        let height = frame.bounds.rows().div_ceil(rayon::current_num_threads());
+        self.run_in_bands(frame, height, map)
     }
 }
 
-/// Fills rows without any value from the nearest row that has some, or with `nowhere`.
-pub(super) fn fill_rows(
-    values: &mut Plane<f32>,
-    reasons: &mut Plane<Reason>,
-    (width, bounds): (usize, BoundingBox),
-    nowhere: f32,
-) {
-    let columns = bounds.columns();
-    let empty: Vec<usize> = (0..values.rows()).filter(|&y| values.row(y)[0].is_nan()).collect();
-    if empty.len() == values.rows() {
-        values.samples_mut().fill(nowhere);
-    } else {
-        let full: Vec<usize> = (0..values.rows()).filter(|y| !empty.contains(y)).collect();
-        for &y in &empty {
-            let nearest = *full.iter().min_by_key(|f| f.abs_diff(y)).expect("some row is full");
-            values
-                .samples_mut()
-                .copy_within(nearest * columns..(nearest + 1) * columns, y * columns);
-        }
-    }
-    for &y in &empty {
-        for x in 0..columns {
-            let value = values.row(y)[x];
-            let reason = &mut reasons.row_mut(y)[x];
-            *reason = filled(width, bounds.x0 + x, value, *reason);
-        }
-    }
+/// The rows of the box, in all their width.
+fn rows_of_box<'a, T>(frame: &Frame<'_>, plane: &'a mut Plane<T>) -> &'a mut [T] {
+    let (columns, bounds) = (plane.columns(), frame.bounds);
+    &mut plane.samples_mut()[bounds.y0 * columns..(bounds.y1 + 1) * columns]
 }
 
-pub(super) fn hole(reason: Reason) -> Reason {
-    match reason {
-        Reason::OccludedFilled => Reason::OccludedHole,
-        Reason::MismatchedFilled => Reason::MismatchedHole,
-        Reason::OutsideRightFilled => Reason::OutsideRightHole,
-        other => other,
+/// Takes filled values out again.
+fn open_holes(frame: &Frame<'_>, map: &mut DisparityMap) {
+    for (value, reason) in
+        rows_of_box(frame, &mut map.values).iter_mut().zip(rows_of_box(frame, &mut map.reasons))
+    {
+        *reason = hole(*reason);
+        if !reason.has_value() {
+            *value = f32::NAN;
+        }
     }
 }

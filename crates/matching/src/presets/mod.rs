@@ -14,7 +14,7 @@ pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchErro
         Ok(Box::new(SemiGlobalMatching::new(smoothing, Level::chosen()?)))
     };
     match options.preset {
-        Preset::Fast => Ok(Box::new(fast::Fast::default())),
+        Preset::Fast => Ok(Box::new(fast::Fast::new(Level::chosen()?))),
         Preset::Balanced => semi_global(Smoothing::Median),
         Preset::Best => semi_global(Smoothing::WeightedMedian),
     }

@@ -1,4 +1,6 @@
 //! The winner, its fraction of a pixel, and the check against the right view.
 
+pub(crate) mod confirm;
 pub(crate) mod cross_check;
+pub(crate) mod fixed_point;
 pub(crate) mod winner;

@@ -1,0 +1,175 @@
+//! The median of 5 x 5 pixels.
+//!
+//! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated.
+//!
+//! Columns of five are sorted first, once for the five windows that share them. In a window the
+//! five least, the five second least, and so on, are then sorted among themselves, which leaves
+//! the columns sorted. Now number `j` of column `i` has `(i + 1)(j + 1) - 1` others at or below it
+//! and `(5 - i)(5 - j) - 1` at or above; where either is more than 12 it cannot be the median, and
+//! as many fall out below as above. Of the 13 that are left the median is the median of all: the
+//! least and the largest of as many as must hold it are dropped until one is left.
+
+use super::level::at_every_level;
+
+/// Pixels that are done together.
+const BLOCK: usize = 64;
+/// Pixels to each side of the middle one.
+const REACH: usize = 2;
+const SIDE: usize = 2 * REACH + 1;
+
+at_every_level! {
+    /// The medians around the third of the rows, which are equally long.
+    pub(crate) fn median_of_5_rows(rows: [&[u16]; SIDE], medians: &mut [u16]) {
+        let columns = medians.len();
+        let mut sorted = [[0; BLOCK + 2 * REACH]; SIDE];
+        for start in (0..columns).step_by(BLOCK) {
+            let size = BLOCK.min(columns - start);
+            for (row, block) in rows.iter().zip(&mut sorted) {
+                copy_with_ends(row, start, block);
+            }
+            for i in 0..BLOCK + 2 * REACH {
+                let mut column = [0; SIDE];
+                for (sample, block) in column.iter_mut().zip(&sorted) {
+                    *sample = block[i];
+                }
+                sort_5(&mut column);
+                for (block, sample) in sorted.iter_mut().zip(column) {
+                    block[i] = sample;
+                }
+            }
+            let mut block = [0; BLOCK];
+            for i in 0..BLOCK {
+                let window: [[u16; SIDE]; SIDE] = std::array::from_fn(|rank| {
+                    std::array::from_fn(|column| sorted[rank][i + column])
+                });
+                block[i] = median_of_sorted_columns(window);
+            }
+            medians[start..start + size].copy_from_slice(&block[..size]);
+        }
+    }
+}
+
+/// Copies the samples of a row from `REACH` before `start` on; its ends are repeated.
+#[inline(always)]
+fn copy_with_ends(row: &[u16], start: usize, block: &mut [u16; BLOCK + 2 * REACH]) {
+    if start >= REACH && start - REACH + block.len() <= row.len() {
+        block.copy_from_slice(&row[start - REACH..][..BLOCK + 2 * REACH]);
+    } else {
+        for (i, sample) in block.iter_mut().enumerate() {
+            *sample = row[(start + i).saturating_sub(REACH).min(row.len() - 1)];
+        }
+    }
+}
+
+#[inline(always)]
+fn order(a: &mut u16, b: &mut u16) {
+    (*a, *b) = ((*a).min(*b), (*a).max(*b));
+}
+
+/// Nine comparisons sort five numbers.
+#[inline(always)]
+fn sort_5([a, b, c, d, e]: &mut [u16; SIDE]) {
+    order(a, d);
+    order(b, e);
+    order(a, c);
+    order(b, d);
+    order(a, b);
+    order(c, e);
+    order(b, c);
+    order(d, e);
+    order(c, d);
+}
+
+/// The median of five sorted columns: `window[rank][column]`.
+#[inline(always)]
+fn median_of_sorted_columns(mut window: [[u16; SIDE]; SIDE]) -> u16 {
+    for rank in &mut window {
+        sort_5(rank);
+    }
+    let [a, b, c, d, e] = window;
+    // Eight of thirteen: neither the least nor the largest of them can be the seventh.
+    let mut left = [a[3], a[4], b[2], b[3], b[4], c[1], c[2], c[3]];
+    drop_extremes(&mut left);
+    let mut left = [left[1], left[2], left[3], left[4], left[5], left[6], d[0]];
+    drop_extremes(&mut left);
+    let mut left = [left[1], left[2], left[3], left[4], left[5], d[1]];
+    drop_extremes(&mut left);
+    let mut left = [left[1], left[2], left[3], left[4], d[2]];
+    drop_extremes(&mut left);
+    let mut left = [left[1], left[2], left[3], e[0]];
+    drop_extremes(&mut left);
+    let mut left = [left[1], left[2], e[1]];
+    drop_extremes(&mut left);
+    left[1]
+}
+
+/// Brings the least to the front and the largest to the end.
+#[inline(always)]
+fn drop_extremes<const N: usize>(numbers: &mut [u16; N]) {
+    for i in 0..N / 2 {
+        let (front, back) = numbers.split_at_mut(N - 1 - i);
+        order(&mut front[i], &mut back[0]);
+    }
+    // The least is in the front half now, the largest in the back half.
+    for i in 1..N.div_ceil(2) {
+        let (front, back) = numbers.split_at_mut(i);
+        order(&mut front[0], &mut back[0]);
+    }
+    for i in N / 2..N - 1 {
+        let (front, back) = numbers.split_at_mut(N - 1);
+        order(&mut front[i], &mut back[0]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::level::Level;
+
+    #[test]
+    fn the_network_finds_the_median_of_all_that_can_be() {
+        // A network of comparisons that is right for zeros and ones is right for all numbers
+        // (Knuth's zero-one principle); a sorted column of those is known by its ones.
+        for code in 0..6usize.pow(5) {
+            let ones: [usize; 5] = std::array::from_fn(|i| code / 6usize.pow(i as u32) % 6);
+            let window = std::array::from_fn(|rank| {
+                std::array::from_fn(|column| u16::from(rank >= 5 - ones[column]))
+            });
+            let expected = u16::from(ones.iter().sum::<usize>() > 12);
+            assert_eq!(median_of_sorted_columns(window), expected, "{ones:?}");
+        }
+        for code in 0..32u16 {
+            let mut bits = std::array::from_fn(|i| code >> i & 1);
+            sort_5(&mut bits);
+            assert!(bits.is_sorted(), "{code:b}");
+        }
+    }
+
+    #[test]
+    fn medians_are_those_of_sorted_windows_at_every_level() {
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            for columns in [1, 2, 3, 63, 64, 65, 66, 67, 200] {
+                let mut state = columns as u32;
+                let rows: [Vec<u16>; 5] = std::array::from_fn(|_| {
+                    let next = |_| {
+                        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                        (state >> 16) as u16
+                    };
+                    (0..columns).map(next).collect()
+                });
+                let mut found = vec![0; columns];
+                median_of_5_rows(level, rows.each_ref().map(|row| &row[..]), &mut found);
+                for (x, &found) in found.iter().enumerate() {
+                    let near = |row: &Vec<u16>| -> Vec<u16> {
+                        let at = |i: usize| row[(x + i).saturating_sub(2).min(columns - 1)];
+                        (0..5).map(at).collect()
+                    };
+                    let mut window: Vec<u16> = rows.iter().flat_map(near).collect();
+                    window.sort();
+                    assert_eq!(found, window[12], "column {x} of {columns}");
+                }
+            }
+        }
+    }
+}

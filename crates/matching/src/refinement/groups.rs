@@ -1,0 +1,341 @@
+//! Speckles: small islands of disparity that stand alone are seldom real.
+//!
+//! Pixels whose disparities differ by at most a step from a neighbour's (above, below, left, right)
+//! belong together; groups of few pixels are not believed (Hirschmueller 2008, section 2.5).
+//!
+//! Rows are cut into runs of pixels that belong together, and runs are joined to groups by
+//! union-find (He et al., *A Run-Based Two-Scan Labeling Algorithm*, 2008). What decides is kept as
+//! one bit per pixel, so 64 pixels are looked at together, and a run is joined to one of the row
+//! above only where the two begin to touch. Bands of rows are grouped on their own, then along
+//! their borders; sizes do not depend on the order of joining.
+//!
+//! In: disparities in fixed point with [`HOLE`]s. Out: the runs of each row and the size of the
+//! group that a run belongs to.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::kernels::level::{Level, at_every_level};
+use crate::selection::fixed_point::HOLE;
+
+/// Pixels whose bits share a word.
+const WORD: usize = 64;
+/// Marks a node as the root of its group; the other bits are then the group's size, not its parent.
+const ROOT: u32 = 1 << 31;
+
+/// Most pixels that can be grouped: their places need a bit less than a node has.
+pub(crate) const LARGEST: usize = ROOT as usize - 1;
+
+/// The groups of a disparity map, with their memory.
+#[derive(Debug, Default)]
+pub(crate) struct Groups {
+    columns: usize,
+    /// Per row, one bit per pixel: it belongs to its left neighbour.
+    joined: Vec<u64>,
+    /// Per row, one bit per pixel: a run begins.
+    starts: Vec<u64>,
+    /// Per run, at the place of its first pixel: its parent, or [`ROOT`] and its group's size.
+    nodes: Vec<u32>,
+}
+
+/// Some rows of the groups: nodes and bits from row `first` on.
+struct Rows<'a> {
+    columns: usize,
+    first: usize,
+    joined: &'a mut [u64],
+    starts: &'a mut [u64],
+    nodes: &'a mut [u32],
+}
+
+impl Groups {
+    /// Groups the pixels of a map of `columns` columns, in bands of `height` rows.
+    pub fn find(
+        &mut self,
+        level: Level,
+        disparities: &[u16],
+        columns: usize,
+        step: u16,
+        height: usize,
+    ) {
+        let rows = disparities.len() / columns;
+        let words = columns.div_ceil(WORD);
+        assert!(disparities.len() <= LARGEST, "{} pixels are too many", disparities.len());
+        self.columns = columns;
+        self.joined.resize(rows * words, 0);
+        self.starts.resize(rows * words, 0);
+        self.nodes.resize(rows * columns, 0);
+        let bands = self
+            .joined
+            .par_chunks_mut(height * words)
+            .zip(self.starts.par_chunks_mut(height * words))
+            .zip(self.nodes.par_chunks_mut(height * columns))
+            .zip(disparities.par_chunks(height * columns));
+        bands.enumerate().for_each(|(i, (((joined, starts), nodes), disparities))| {
+            let mut rows = Rows { columns, first: i * height, joined, starts, nodes };
+            for (y, row) in disparities.chunks_exact(columns).enumerate() {
+                rows.cut(level, y, row, step);
+                if y > 0 {
+                    rows.join(level, y, &disparities[(y - 1) * columns..][..2 * columns], step);
+                }
+            }
+        });
+        let (joined, starts, nodes) = (&mut self.joined, &mut self.starts, &mut self.nodes);
+        let mut whole = Rows { columns, first: 0, joined, starts, nodes };
+        for y in (height..rows).step_by(height) {
+            whole.join(level, y, &disparities[(y - 1) * columns..][..2 * columns], step);
+        }
+    }
+
+    /// The runs of row `y` from left to right, each with the size of its group.
+    pub fn runs(&self, y: usize) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
+        let words = self.columns.div_ceil(WORD);
+        let bits = y * words..(y + 1) * words;
+        let (joined, starts) = (&self.joined[bits.clone()], &self.starts[bits]);
+        runs(joined, starts, self.columns)
+            .map(move |run| (run.clone(), self.size(y * self.columns + run.start)))
+    }
+
+    fn size(&self, mut at: usize) -> usize {
+        while self.nodes[at] & ROOT == 0 {
+            at = self.nodes[at] as usize;
+        }
+        (self.nodes[at] & !ROOT) as usize
+    }
+}
+
+impl Rows<'_> {
+    fn bits(&self, y: usize) -> Range<usize> {
+        let words = self.columns.div_ceil(WORD);
+        y * words..(y + 1) * words
+    }
+
+    /// Cuts row `y` (of these) into runs, each a group of its own.
+    fn cut(&mut self, level: Level, y: usize, row: &[u16], step: u16) {
+        let bits = self.bits(y);
+        let (joined, starts) = (&mut self.joined[bits.clone()], &mut self.starts[bits]);
+        mark_runs(level, row, step, joined, starts);
+        let nodes = &mut self.nodes[y * self.columns..][..self.columns];
+        for run in runs(joined, starts, self.columns) {
+            nodes[run.start] = ROOT | run.len() as u32;
+        }
+    }
+
+    /// Joins the runs of row `y` to those of the row above; `pair` holds both rows.
+    fn join(&mut self, level: Level, y: usize, pair: &[u16], step: u16) {
+        let (above, here) = pair.split_at(self.columns);
+        let (bits_above, bits) = (self.bits(y - 1), self.bits(y));
+        let mut carry = 0;
+        for w in 0..bits.len() {
+            let pixels = w * WORD..self.columns.min((w + 1) * WORD);
+            let touching = mark_touching(level, &above[pixels.clone()], &here[pixels], step);
+            // Where both rows go on and touched one pixel before, they are joined already.
+            let going_on = self.joined[bits_above.start + w] & self.joined[bits.start + w];
+            let mut new = touching & !((touching << 1 | carry) & going_on);
+            carry = touching >> (WORD - 1);
+            while new != 0 {
+                let x = w * WORD + new.trailing_zeros() as usize;
+                new &= new - 1;
+                let run = |bits: &Range<usize>, y: usize| {
+                    (self.first + y) * self.columns + start_of(&self.starts[bits.clone()], x)
+                };
+                let (a, b) = (run(&bits_above, y - 1), run(&bits, y));
+                self.unite(a, b);
+            }
+        }
+    }
+
+    /// Makes one group of two; the root that comes first becomes the root of both.
+    fn unite(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        if a != b {
+            let offset = self.first * self.columns;
+            let (root, other) = (a.min(b), a.max(b));
+            self.nodes[root - offset] += self.nodes[other - offset] & !ROOT;
+            self.nodes[other - offset] = root as u32;
+        }
+    }
+
+    /// The root of a node's group. Nodes on the way skip every other one from now on.
+    fn root(&mut self, mut at: usize) -> usize {
+        let offset = self.first * self.columns;
+        loop {
+            let parent = self.nodes[at - offset];
+            if parent & ROOT != 0 {
+                return at;
+            }
+            let next = self.nodes[parent as usize - offset];
+            if next & ROOT != 0 {
+                return parent as usize;
+            }
+            self.nodes[at - offset] = next;
+            at = next as usize;
+        }
+    }
+}
+
+/// The runs that the bits of a row tell.
+fn runs<'a>(
+    joined: &'a [u64],
+    starts: &'a [u64],
+    columns: usize,
+) -> impl Iterator<Item = Range<usize>> + 'a {
+    let mut word = 0;
+    let mut rest = starts.first().copied().unwrap_or(0);
+    std::iter::from_fn(move || {
+        while rest == 0 {
+            word += 1;
+            rest = *starts.get(word)?;
+        }
+        let start = word * WORD + rest.trailing_zeros() as usize;
+        rest &= rest - 1;
+        Some(start..end_of(joined, start).min(columns))
+    })
+}
+
+/// The first place after `start` that is not joined to the one before it.
+fn end_of(joined: &[u64], start: usize) -> usize {
+    let next = start + 1;
+    let mut word = next / WORD;
+    let Some(&first) = joined.get(word) else { return next };
+    let mut free = !first >> (next % WORD) << (next % WORD);
+    while free == 0 {
+        word += 1;
+        free = joined.get(word).map_or(1, |&bits| !bits);
+    }
+    word * WORD + free.trailing_zeros() as usize
+}
+
+/// The last place up to `x` where a run begins.
+fn start_of(starts: &[u64], x: usize) -> usize {
+    let mut word = x / WORD;
+    let mut upto = starts[word] << (WORD - 1 - x % WORD) >> (WORD - 1 - x % WORD);
+    while upto == 0 {
+        word -= 1;
+        upto = starts[word];
+    }
+    word * WORD + upto.ilog2() as usize
+}
+
+at_every_level! {
+    /// Sets the bits of one row: pixels that belong to their left neighbour, and the first pixels
+    /// of runs.
+    fn mark_runs(row: &[u16], step: u16, joined: &mut [u64], starts: &mut [u64]) {
+        let mut before = HOLE;
+        for (row, (joined, starts)) in row.chunks(WORD).zip(joined.iter_mut().zip(starts)) {
+            let mut pixels = [HOLE; WORD + 1];
+            pixels[0] = before;
+            pixels[1..=row.len()].copy_from_slice(row);
+            before = pixels[WORD];
+            let (mut same, mut full) = ([0; WORD], [0; WORD]);
+            for i in 0..WORD {
+                full[i] = u8::from(pixels[i + 1] != HOLE);
+                same[i] = u8::from(pixels[i].abs_diff(pixels[i + 1]) <= step);
+            }
+            let full = pack(&full);
+            *joined = pack(&same) & full;
+            *starts = full & !*joined;
+        }
+    }
+
+    /// The bits of up to 64 pixels that belong to the pixel above.
+    fn mark_touching(above: &[u16], here: &[u16], step: u16) -> u64 {
+        let (mut a, mut b) = ([HOLE; WORD], [HOLE; WORD]);
+        a[..above.len()].copy_from_slice(above);
+        b[..here.len()].copy_from_slice(here);
+        let mut same = [0; WORD];
+        for i in 0..WORD {
+            same[i] = u8::from((a[i].abs_diff(b[i]) <= step) & (b[i] != HOLE));
+        }
+        pack(&same)
+    }
+}
+
+/// One bit for each byte, which is 0 or 1.
+#[inline(always)]
+fn pack(flags: &[u8; WORD]) -> u64 {
+    let mut bits = 0;
+    for (i, eight) in flags.as_chunks::<8>().0.iter().enumerate() {
+        // The product's highest byte collects byte j at bit j.
+        let byte = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        bits |= byte << (8 * i);
+    }
+    bits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Group sizes by flooding from every pixel; 0 in holes.
+    fn sizes_by_flooding(map: &[u16], columns: usize, step: u16) -> Vec<usize> {
+        let mut sizes = vec![0; map.len()];
+        for seed in 0..map.len() {
+            if map[seed] == HOLE || sizes[seed] > 0 {
+                continue;
+            }
+            let (mut group, mut next) = (vec![seed], 0);
+            while let Some(&at) = group.get(next) {
+                next += 1;
+                let x = at % columns;
+                let near = [
+                    (x > 0).then(|| at - 1),
+                    (x + 1 < columns).then_some(at + 1),
+                    at.checked_sub(columns),
+                    (at + columns < map.len()).then_some(at + columns),
+                ];
+                for to in near.into_iter().flatten() {
+                    let belongs = map[to] != HOLE && map[to].abs_diff(map[at]) <= step;
+                    if belongs && !group.contains(&to) {
+                        group.push(to);
+                    }
+                }
+            }
+            for &at in &group {
+                sizes[at] = group.len();
+            }
+        }
+        sizes
+    }
+
+    #[test]
+    fn groups_are_what_flooding_finds_in_bands_of_any_height_at_every_level() {
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            for (columns, rows) in [(1, 1), (1, 30), (64, 9), (65, 9), (131, 14), (200, 6)] {
+                for holes in [1u16, 3, 9] {
+                    let mut state = (columns * rows) as u32 + u32::from(holes);
+                    let map: Vec<u16> = (0..columns * rows)
+                        .map(|_| {
+                            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                            let value = (state >> 24) as u16;
+                            if value % 10 < holes { HOLE } else { 100 * (value / 64) + value % 32 }
+                        })
+                        .collect();
+                    let expected = sizes_by_flooding(&map, columns, 20);
+                    for height in [1, 2, 5, rows] {
+                        let mut groups = Groups::default();
+                        groups.find(level, &map, columns, 20, height);
+                        let mut found = vec![0; map.len()];
+                        for y in 0..rows {
+                            for (run, size) in groups.runs(y) {
+                                found[y * columns..][run].fill(size);
+                            }
+                        }
+                        assert_eq!(found, expected, "{columns} x {rows}, bands of {height}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_slope_is_one_group_and_an_island_another() {
+        let mut map: Vec<u16> = (0..12).map(|i| (i % 6) * 10).collect();
+        map[3] = 400;
+        let mut groups = Groups::default();
+        groups.find(Level::detect(), &map, 6, 10, 2);
+        assert_eq!(groups.runs(0).collect::<Vec<_>>(), [(0..3, 11), (3..4, 1), (4..6, 11)]);
+        assert_eq!(groups.runs(1).collect::<Vec<_>>(), [(0..6, 11)]);
+    }
+}
