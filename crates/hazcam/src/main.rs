@@ -6,6 +6,7 @@ mod cli;
 mod clock;
 mod commands;
 mod ui;
+mod wrap;
 
 fn main() -> std::process::ExitCode {
     cli::main()

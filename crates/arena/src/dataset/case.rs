@@ -180,7 +180,8 @@ impl Case {
 /// Pixels that are scored apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseRegion {
-    /// "non-occluded", "occluded", "discontinuity", "textureless".
+    /// "non-occluded", "occluded", and in rendered scenes "discontinuity", "thin", "textureless",
+    /// "repeated".
     pub name: &'static str,
     /// Which pixels.
     pub mask: Plane<bool>,

@@ -5,7 +5,7 @@ use super::table::{Cell, Table};
 impl Table {
     /// The table as CSV. Empty cells are empty, no value is left out because it repeats.
     pub fn to_csv(&self) -> String {
-        let mut text = line(self.columns.iter().map(|column| column.name.to_owned()));
+        let mut text = line(self.columns.iter().map(|column| column.name.clone().into_owned()));
         for row in &self.rows {
             text.push_str(&line(row.iter().map(|cell| match cell {
                 Cell::Text(text) => text.clone(),

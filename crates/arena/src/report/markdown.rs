@@ -7,7 +7,7 @@ impl Table {
     pub fn to_markdown(&self) -> String {
         let escaped = |cell: &str| cell.replace('|', "\\|");
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-        let mut text = line(self.columns.iter().map(|column| escaped(column.name)).collect());
+        let mut text = line(self.columns.iter().map(|column| escaped(&column.name)).collect());
         let rules = (0..self.columns.len()).map(|i| {
             match self.rows.iter().any(|row| matches!(row[i], Cell::Number(..))) {
                 true => "---:".to_owned(),

@@ -6,6 +6,8 @@
 mod csv;
 mod json;
 mod markdown;
+mod overview;
+mod regions;
 mod scores;
 mod summary;
 mod table;
@@ -15,6 +17,8 @@ use std::fmt;
 use std::str::FromStr;
 
 pub use json::to_json;
+pub use overview::{bad2_table, overview_table};
+pub use regions::{REGIONS_LEGEND, regions_table};
 pub use scores::{Failure, LEGEND, failures, scores_table};
 pub use summary::{Summary, summaries, summary_table};
 pub use table::{Cell, Column, Table};
@@ -58,4 +62,15 @@ impl FromStr for Format {
             .find(|format| format.name() == text)
             .ok_or_else(|| format!("`{text}` is no format; it must be {}", Self::NAMES.join(", ")))
     }
+}
+
+/// Every name that occurs, once each, in order.
+fn in_order<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut seen = Vec::new();
+    for name in names {
+        if !seen.contains(&name) {
+            seen.push(name);
+        }
+    }
+    seen
 }

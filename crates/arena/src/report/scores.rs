@@ -78,7 +78,7 @@ pub const LEGEND: [&str; 6] = [
     "all: pixels of the box (without one, of the whole image) with known truth; noc: those of them \
      that both cameras see",
     "E_RMS, p_bad (course): in px, and the share of errors > 2 px; a hole counts as disparity 0, \
-     and as bad",
+     and as bad; where the truth is 0 (as in a sky at infinity) nothing is counted",
     "bad T (Middlebury): errors > T px and holes; avgerr: mean error in px of the estimates, both \
      clipped to the range",
     "D1 (KITTI): errors > 3 px and > 5 %, holes filled from the background first",

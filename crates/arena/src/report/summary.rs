@@ -7,6 +7,7 @@
 
 use serde::Serialize;
 
+use super::in_order;
 use super::table::{Cell, Column, Table};
 use crate::record::Record;
 
@@ -61,16 +62,6 @@ pub fn summaries(records: &[Record], reference: Option<&str>) -> Vec<Summary> {
     }
     all.retain(|summary| summary.scenes + summary.failed > 0);
     all
-}
-
-fn in_order<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut seen = Vec::new();
-    for name in names {
-        if !seen.contains(&name) {
-            seen.push(name);
-        }
-    }
-    seen
 }
 
 fn summary(

@@ -1,10 +1,12 @@
 //! Columns and cells, and nothing of how they are shown.
 
+use std::borrow::Cow;
+
 /// One column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
     /// Its heading.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Whether a value that repeats the one above is left out in tables for people.
     pub grouped: bool,
 }
@@ -31,13 +33,13 @@ pub struct Table {
 
 impl Column {
     /// An ordinary column.
-    pub const fn new(name: &'static str) -> Self {
-        Self { name, grouped: false }
+    pub fn new(name: impl Into<Cow<'static, str>>) -> Self {
+        Self { name: name.into(), grouped: false }
     }
 
     /// A column whose repeated values are left out in tables for people.
-    pub const fn grouped(name: &'static str) -> Self {
-        Self { name, grouped: true }
+    pub fn grouped(name: impl Into<Cow<'static, str>>) -> Self {
+        Self { name: name.into(), grouped: true }
     }
 }
 

@@ -23,7 +23,7 @@ impl Table {
             }
             format!("{}\n", line.trim_end())
         };
-        let mut text = line(self.columns.iter().map(|column| column.name).collect());
+        let mut text = line(self.columns.iter().map(|column| &*column.name).collect());
         for row in &rows {
             text.push_str(&line(row.iter().map(String::as_str).collect()));
         }

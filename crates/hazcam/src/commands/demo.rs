@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use super::bench::contest::Contest;
 use super::bench::engines::EngineArguments;
 use super::bench::output::Output;
-use super::bench::{contest, rendered, scenes};
+use super::bench::tables::View;
+use super::bench::{rendered, scenes};
 use crate::ui::Ui;
 
 /// Render scenes with exact truth, run every matcher on them, and show how well they do
@@ -35,6 +37,8 @@ pub struct Args {
 /// Renders, matches, shows.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let cases = scenes::matching(rendered::demo(), args.scenes.as_deref())?;
-    let output = Output::in_folder(args.out, true)?;
-    contest::run(cases, &args.engines, output, None, ui)
+    let engines = args.engines.definitions(&[], None)?;
+    let mut output = Output::in_folder(args.out, true)?;
+    output.view = View::Regions;
+    Contest { cases, engines, reference: None, limits: None }.run(&args.engines, output, ui)
 }

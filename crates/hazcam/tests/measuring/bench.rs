@@ -68,7 +68,7 @@ fn anybodys_engine_takes_part_and_its_crash_is_a_row() {
         stdout.contains("walls/near, crash: crashed: it exited with status 3 without an answer")
     );
     assert!(stdout.contains("fast     all"), "{stdout}");
-    assert!(stderr.contains("left out: shy: no licence"), "{stderr}");
+    assert!(stderr.contains("shy left out: no licence"), "{stderr}");
 }
 
 #[test]
@@ -82,6 +82,65 @@ fn a_reference_is_compared_with_and_kept_in_the_folder() {
     assert!(stderr.contains("records are in out"), "{stderr}");
     assert!(folder.path().join("out/walls/near/fast.json").exists());
     assert!(!folder.path().join("out/walls/near/left.png").exists());
+}
+
+#[test]
+fn without_a_choice_opencv_runs_beside_or_is_said_to_be_absent() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let arguments = ["bench", "--data", "data", "--format", "csv"];
+    let mut command = hazcam(folder.path(), &arguments);
+    // No Python, no OpenCV.
+    let output = command.env("PATH", "nowhere").env_remove("HAZCAM_PYTHON").output().unwrap();
+    assert!(output.status.success());
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("opencv-bm, opencv-sgbm, opencv-wls left out: "), "{stderr}");
+    let csv = String::from_utf8(output.stdout).unwrap();
+    for matcher in ["fast", "balanced", "best"] {
+        assert!(csv.contains(&format!("walls/near,{matcher},all")), "{csv}");
+    }
+}
+
+#[test]
+fn figures_are_held_to_a_file_of_limits() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let run_with = |limits: &str, status| {
+        fs::write(folder.path().join("limits.toml"), limits).unwrap();
+        let arguments = "bench --data data -m fast --limits limits.toml";
+        run(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), status)
+    };
+    run_with("[fast.'walls/near']\np_bad = 0.2\nD1 = 0.2", 0);
+    let (stdout, stderr) = run_with("[fast.'walls/near']\navgerr = -1\np_bad = 0.2", 1);
+    assert!(stderr.contains("failed: fast on walls/near: avgerr is 0."), "{stderr}");
+    assert!(stderr.contains(", over -1\n") && !stderr.contains("p_bad"), "{stderr}");
+    assert!(stdout.contains("walls/near"), "the scores are printed all the same");
+    for (limits, words) in [
+        ("[best.'walls/near']\np_bad = 0.2", "holds best to figures on walls/near, but that was"),
+        ("[fast.'walls/far']\np_bad = 0.2", "holds fast to figures on walls/far"),
+        ("[fast.'walls/near']\npsnr = 3", "there is no measure `psnr`; there are E_RMS"),
+        ("p_bad = 0.2", "limits.toml holds no limits: they look like"),
+    ] {
+        let (_, stderr) = run_with(limits, 2);
+        assert!(stderr.contains(words), "{limits}: {stderr}");
+    }
+}
+
+#[test]
+fn an_overview_goes_between_the_markers_of_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let page = folder.path().join("page.md");
+    let arguments: Vec<&str> = "bench --data data -m fast --into page.md".split(' ').collect();
+    fs::write(&page, "# Results\n").unwrap();
+    let (stdout, stderr) = run(folder.path(), &arguments, 2);
+    assert!(stderr.contains("page.md has no place for results") && stdout.is_empty(), "{stderr}");
+    fs::write(&page, "# Results\n<!-- results -->\nold\n<!-- /results -->\nend\n").unwrap();
+    run(folder.path(), &arguments, 0);
+    let text = fs::read_to_string(&page).unwrap();
+    assert!(text.starts_with("# Results\n<!-- results -->\n| matcher | walls/near |"), "{text}");
+    assert!(text.contains("made by `hazcam bench --data data -m fast --into page.md`"), "{text}");
+    assert!(text.ends_with("\n<!-- /results -->\nend\n") && !text.contains("old"), "{text}");
 }
 
 #[test]
@@ -124,5 +183,12 @@ fn stress_scenes_need_no_data() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["bench", "--stress", "--scenes", "stress/1-columns", "--matcher", "fast"];
     let (stdout, _) = run(folder.path(), &arguments, 0);
-    assert!(stdout.contains("stress/1-columns  fast"), "{stdout}");
+    let lines: Vec<Vec<&str>> = stdout.lines().map(|l| l.split_whitespace().collect()).collect();
+    assert_eq!(lines[0], ["scene", "fast", "noc"]);
+    // Of a single column the right camera sees nothing that the left one does.
+    assert_eq!(lines[1], ["stress/1-columns", "100.00", "-"]);
+    // Data that happens to be there changes nothing.
+    let mut command = hazcam(folder.path(), &arguments);
+    let output = command.env("HAZCAM_DATA", "nowhere").output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }

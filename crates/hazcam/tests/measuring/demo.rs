@@ -31,6 +31,29 @@ fn a_demo_leaves_pictures_records_and_tables() {
     }
 }
 
+/// The scenes tell good matchers from bad ones: a fixed window fails at thin things, where there is
+/// no texture, where it repeats, and where only one camera sees.
+#[test]
+fn fast_fails_where_it_should() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "demo --matcher fast --scenes *clutter* -o out";
+    let (stdout, _) = run(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), 0);
+    for region in ["occluded", "discontinuity", "textureless", "thin", "repeated"] {
+        assert!(stdout.contains(&format!("  {region}")), "{stdout}");
+    }
+    let json = std::fs::read(folder.path().join("out/scores.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    let scores = report["records"][0]["scores"].as_array().unwrap();
+    let bad2 = |region: &str| {
+        let of_region = scores.iter().find(|scores| scores["region"] == region).unwrap();
+        of_region["middlebury"]["bad"][2]["totbad"].as_f64().unwrap()
+    };
+    for hard in ["occluded", "discontinuity", "textureless", "thin", "repeated"] {
+        let (there, elsewhere) = (bad2(hard), bad2("non-occluded"));
+        assert!(there > 1.3 * elsewhere, "{hard}: {there}, non-occluded {elsewhere}");
+    }
+}
+
 #[test]
 fn a_scene_that_is_not_there_is_answered_with_those_that_are() {
     let folder = tempfile::tempdir().unwrap();

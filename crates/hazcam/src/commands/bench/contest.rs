@@ -4,47 +4,69 @@ use std::ops::ControlFlow;
 use std::process::ExitCode;
 
 use arena::dataset::Case;
+use arena::engine::Definition;
 use arena::record::Machine;
 use arena::run::{self, Event, Outcome, Plan};
 use matching::{Level, Preset};
 
 use super::engines::EngineArguments;
+use super::limits::Limits;
 use super::output::Output;
 use crate::cli;
 use crate::ui::Ui;
 
-/// Runs the engines on the cases, keeps and prints the results.
-///
-/// The status is 0 when every scene could be read and every matcher of hazcam's own has answered:
-/// another engine's failure is a row in the table.
-pub fn run(
-    cases: Vec<Case>,
-    engines: &EngineArguments,
-    mut output: Output,
-    reference: Option<&str>,
-    ui: &Ui,
-) -> anyhow::Result<ExitCode> {
-    let plan = Plan {
-        cases,
-        engines: engines.definitions(reference)?,
-        programs: EngineArguments::programs()?,
-        limits: engines.limits(),
-        threads: engines.threads,
-        repeats: engines.repeats(),
-        machine: Machine::this(Level::chosen().ok().map(|level| level.name().into())),
-    };
-    let outcome = conduct(&plan, &mut output, ui)?;
-    ui.print(&output.finish(&outcome.records, reference)?)?;
-    if let Some(place) = output.place() {
-        ui.note(place);
+/// What is run, and what it is held to.
+pub struct Contest {
+    /// The scenes, in order.
+    pub cases: Vec<Case>,
+    /// The engines, in order.
+    pub engines: Vec<Definition>,
+    /// The engine that others are compared with.
+    pub reference: Option<String>,
+    /// Figures that must not be exceeded.
+    pub limits: Option<Limits>,
+}
+
+impl Contest {
+    /// Runs the engines on the cases, keeps and prints the results.
+    ///
+    /// The status is 0 when every scene could be read and every matcher of hazcam's own has
+    /// answered: another engine's failure is a row in the table. It is 1 when a figure is past its
+    /// limit.
+    pub fn run(
+        self,
+        engines: &EngineArguments,
+        mut output: Output,
+        ui: &Ui,
+    ) -> anyhow::Result<ExitCode> {
+        let plan = Plan {
+            cases: self.cases,
+            engines: self.engines,
+            programs: EngineArguments::programs()?,
+            limits: engines.limits(),
+            threads: engines.threads,
+            repeats: engines.repeats(),
+            machine: Machine::this(Level::chosen().ok().map(|level| level.name().into())),
+        };
+        let Outcome { records, unreadable, .. } = conduct(&plan, &mut output, ui)?;
+        ui.print(&output.finish(&records, self.reference.as_deref())?)?;
+        if let Some(place) = output.place() {
+            ui.note(place);
+        }
+        let own_failed = records.iter().any(|record| {
+            record.status.message().is_some()
+                && Preset::ALL.iter().any(|preset| preset.name() == record.engine)
+        });
+        if own_failed || unreadable > 0 || records.is_empty() {
+            return Ok(cli::ERROR.into());
+        }
+        let broken = match &self.limits {
+            Some(limits) => limits.broken(&records)?,
+            None => Vec::new(),
+        };
+        broken.iter().for_each(|line| ui.fail(line));
+        Ok(if broken.is_empty() { ExitCode::SUCCESS } else { cli::THRESHOLD_FAILED.into() })
     }
-    let own_failed = outcome.records.iter().any(|record| {
-        record.status.message().is_some() && Preset::ALL.iter().any(|p| p.name() == record.engine)
-    });
-    Ok(match own_failed || outcome.unreadable > 0 || outcome.records.is_empty() {
-        true => cli::ERROR.into(),
-        false => ExitCode::SUCCESS,
-    })
 }
 
 fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome> {
@@ -76,7 +98,7 @@ fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome>
     })?;
     bar.finish_and_clear();
     for (names, message) in by_message(absent) {
-        ui.warn(format_args!("left out: {}: {message}", names.join(", ")));
+        ui.note(format_args!("{} left out: {message}", names.join(", ")));
     }
     match failure {
         Some(error) => Err(error),

@@ -43,8 +43,13 @@ pub struct EngineArguments {
 }
 
 impl EngineArguments {
-    /// The engines in the order of their tables; `reference` joins them.
-    pub fn definitions(&self, reference: Option<&str>) -> anyhow::Result<Vec<Definition>> {
+    /// The engines in the order of their tables. `beside` join hazcam's own when nothing was chosen,
+    /// `reference` joins always.
+    pub fn definitions(
+        &self,
+        beside: &[&str],
+        reference: Option<&str>,
+    ) -> anyhow::Result<Vec<Definition>> {
         let mut known = Engines::built_in();
         if let Some(folder) = &self.engines {
             known.add_folder(folder)?;
@@ -61,6 +66,9 @@ impl EngineArguments {
             if wanted.len() == before {
                 known.named(name)?;
             }
+        }
+        if self.matcher.is_empty() && self.engine.is_empty() {
+            wanted.extend(beside);
         }
         wanted.extend(reference);
         let mut definitions: Vec<Definition> = Vec::new();

@@ -1,14 +1,18 @@
 //! `hazcam bench`: matchers on scenes with known truth, scored and timed.
 //!
 //! One file per question: which engines, which scenes ([`scenes`] on disk, [`rendered`] ones), how
-//! they are run against each other ([`contest`]), where the results go ([`output`], [`pictures`]).
+//! they are run against each other ([`contest`]), what they are held to ([`limits`]), how the
+//! results are shown ([`tables`]) and where they go ([`output`], [`pictures`], [`into`]).
 
 pub mod contest;
 pub mod engines;
+pub mod into;
+pub mod limits;
 pub mod output;
 pub mod pictures;
 pub mod rendered;
 pub mod scenes;
+pub mod tables;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,14 +21,23 @@ use arena::dataset::Purpose;
 use arena::report::Format;
 
 use crate::ui::Ui;
+use contest::Contest;
 use engines::EngineArguments;
+use into::Page;
+use limits::Limits;
 use output::Output;
 use scenes::SceneArguments;
+use tables::View;
+
+/// Engines that stand beside hazcam's own unless the user chooses: the plain window matcher, the
+/// usual semi-global one, and the most accurate one that OpenCV has.
+const BESIDE: [&str; 3] = ["opencv-bm", "opencv-sgbm", "opencv-wls"];
 
 /// Run matchers on scenes with known truth: scores, times, memory
 ///
 /// Every matcher runs in a process of its own that is measured from outside, hazcam's own ones
-/// included. Without --matcher, all of hazcam's run; other programs join with --engine.
+/// included. Without --matcher and --engine, all of hazcam's run, and beside them OpenCV's BM, SGBM
+/// and WLS where Python with OpenCV is found.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Engines that come with hazcam: fast, balanced, best, and OpenCV's matchers opencv-bm, opencv-sgbm,
@@ -35,7 +48,8 @@ Examples:
   HAZCAM_DATA=~/stereo hazcam bench
   hazcam bench --use tuning --matcher best --reference opencv-wls
   hazcam bench --scenes 'course/*' --engine 'opencv-*' --out results --pictures
-  hazcam bench --stress --format markdown")]
+  hazcam bench --stress --format markdown
+  hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml")]
 pub struct Args {
     #[command(flatten)]
     scenes: SceneArguments,
@@ -52,6 +66,11 @@ pub struct Args {
     #[arg(long, value_name = "ENGINE", help_heading = "Matchers")]
     reference: Option<String>,
 
+    /// End with status 1 when a figure is over its limit: a TOML file with tables like
+    /// [fast."course/cones"] and lines like p_bad = 0.083
+    #[arg(long, value_name = "FILE", help_heading = "Matchers")]
+    limits: Option<PathBuf>,
+
     /// How to show the results
     #[arg(long, default_value = "text", help_heading = "Output")]
     #[arg(value_parser = super::choice(Format::NAMES))]
@@ -64,6 +83,11 @@ pub struct Args {
     /// Write left image, truth, disparities (turbo) and errors (KITTI's colours) there as well
     #[arg(long, requires = "out", help_heading = "Output")]
     pictures: bool,
+
+    /// Put an overview into a Markdown page, between its lines <!-- results --> and
+    /// <!-- /results -->
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    into: Option<PathBuf>,
 }
 
 /// Chooses scenes and engines, runs them, shows the tables.
@@ -73,10 +97,20 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         true => scenes::matching(rendered::stress(), args.scenes.scenes.as_deref())?,
         false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered])?,
     };
+    let contest = Contest {
+        cases,
+        engines: args.engines.definitions(&BESIDE, args.reference.as_deref())?,
+        reference: args.reference,
+        limits: args.limits.as_deref().map(Limits::read).transpose()?,
+    };
+    let page = args.into.map(Page::open).transpose()?;
     let mut output = match args.out {
         Some(folder) => Output::in_folder(folder, args.pictures)?,
         None => Output::default(),
     };
-    output.format = format;
-    contest::run(cases, &args.engines, output, args.reference.as_deref(), ui)
+    (output.format, output.page) = (format, page);
+    if args.stress {
+        output.view = View::Strains;
+    }
+    contest.run(&args.engines, output, ui)
 }

@@ -5,18 +5,24 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use arena::dataset::{Case, CaseData};
-use arena::engine::{Answer, measures_cpu_time};
+use arena::engine::Answer;
 use arena::record::Record;
-use arena::report::{self, Format, Summary};
+use arena::report::Format;
 use formats::write_atomically;
 
+use super::into::Page;
 use super::pictures;
+use super::tables::{Tables, View};
 
 /// What is shown and kept of a run.
 #[derive(Default)]
 pub struct Output {
+    /// Which tables are shown.
+    pub view: View,
     /// How the tables are shown.
     pub format: Format,
+    /// The page that gets the results between its markers.
+    pub page: Option<Page>,
     folder: Option<PathBuf>,
     pictures: bool,
     /// The scene whose own pictures have been written last.
@@ -56,20 +62,24 @@ impl Output {
         Ok(())
     }
 
-    /// The whole result in the format that was asked for; the folder gets it in all of them.
+    /// The whole result in the format that was asked for; the folder gets it in all of them, the
+    /// page as an overview.
     pub fn finish(&self, records: &[Record], reference: Option<&str>) -> anyhow::Result<String> {
-        let summaries = report::summaries(records, reference);
+        let tables = Tables { records, reference, view: self.view };
         if let Some(folder) = &self.folder {
             for (name, format) in [
                 ("scores.md", Format::Markdown),
                 ("scores.csv", Format::Csv),
                 ("scores.json", Format::Json),
             ] {
-                let text = render(format, records, &summaries, reference);
+                let text = tables.render(format);
                 write_atomically(folder.join(name), |writer| writer.write_all(text.as_bytes()))?;
             }
         }
-        Ok(render(self.format, records, &summaries, reference))
+        if let Some(page) = &self.page {
+            page.update(records)?;
+        }
+        Ok(tables.render(self.format))
     }
 
     /// In words where the results lie, if they are kept.
@@ -77,73 +87,5 @@ impl Output {
         let folder = self.folder.as_ref()?;
         let what = if self.pictures { "pictures and records are" } else { "records are" };
         Some(format!("{what} in {}", folder.display()))
-    }
-}
-
-fn render(
-    format: Format,
-    records: &[Record],
-    summaries: &[Summary],
-    reference: Option<&str>,
-) -> String {
-    let scores = report::scores_table(records);
-    let summary = report::summary_table(summaries, reference);
-    match format {
-        Format::Text => {
-            let mut text = scores.to_text();
-            text.push_str(&notes(records, "\n"));
-            text.push_str(&format!("\n{}", summary.to_text()));
-            text.push_str(&summary_note(reference));
-            text
-        }
-        Format::Markdown => {
-            let mut text = scores.to_markdown();
-            text.push_str(&notes(records, "\n* "));
-            text.push_str(&format!("\n{}", summary.to_markdown()));
-            text.push_str(&summary_note(reference));
-            text
-        }
-        Format::Csv => scores.to_csv(),
-        Format::Json => report::to_json(records, summaries),
-    }
-}
-
-/// Failures and the legend, each line introduced by `mark`.
-fn notes(records: &[Record], mark: &str) -> String {
-    let mut lines: Vec<String> = report::failures(records)
-        .into_iter()
-        .map(|failure| format!("{}, {}: {}", failure.case, failure.engine, failure.status))
-        .collect();
-    lines.extend(records.iter().filter(|record| record.repeatable == Some(false)).map(|record| {
-        format!("{}, {}: repeated runs gave different disparities", record.case, record.engine)
-    }));
-    lines.extend(report::LEGEND.map(str::to_owned));
-    if !measures_cpu_time() {
-        lines.push("this system tells neither CPU time nor memory of another process".into());
-    }
-    if let Some(record) = records.first() {
-        let machine = &record.machine;
-        lines.push(format!(
-            "{} thread(s) an engine, {}, {} core(s), {}; hazcam {}",
-            record.threads,
-            machine.cpu.as_deref().unwrap_or(machine.architecture),
-            machine.cores,
-            machine.level.as_deref().unwrap_or("vector level unknown"),
-            record.hazcam
-        ));
-    }
-    let mut text: String = lines.iter().map(|line| format!("{mark}{line}")).collect();
-    text.push('\n');
-    text
-}
-
-fn summary_note(reference: Option<&str>) -> String {
-    let means = "\nMeans over scenes, each of which weighs the same.";
-    match reference {
-        Some(name) => format!(
-            "{means} Ratio: geometric mean of p_bad over that of {name}; it hides a single bad \
-             scene, so look at the worst one too.\n"
-        ),
-        None => format!("{means}\n"),
     }
 }

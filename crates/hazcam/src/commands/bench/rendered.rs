@@ -28,8 +28,12 @@ fn data(scene: Scene) -> CaseData {
     let mut data = CaseData::new(scene.left, scene.right, scene.range);
     data.truth = Some(scene.truth_left);
     data.add_occlusions(&scene.occluded);
-    for (name, mask) in [("discontinuity", scene.discontinuity), ("textureless", scene.textureless)]
-    {
+    for (name, mask) in [
+        ("discontinuity", scene.discontinuity),
+        ("thin", scene.thin),
+        ("textureless", scene.textureless),
+        ("repeated", scene.repeated),
+    ] {
         data.regions.push(CaseRegion { name, mask, truth: None });
     }
     data.protocol = vec![

@@ -11,8 +11,9 @@ use glob::Pattern;
 #[command(next_help_heading = "Scenes")]
 pub struct SceneArguments {
     /// Folder with the data sets: a scenes.json, or the layouts of the course, Middlebury, ETH3D,
-    /// KITTI
-    #[arg(long, value_name = "DIR", env = "HAZCAM_DATA", hide_env_values = true)]
+    /// KITTI [env: HAZCAM_DATA]
+    // Not clap's `env`: a variable that is set would then be at odds with --stress.
+    #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 
     /// Only scenes whose id matches, `*` and `?` as in a shell
@@ -28,8 +29,8 @@ pub struct SceneArguments {
 impl SceneArguments {
     /// The chosen scenes, the course's first. Without `--use`, those of `default`.
     pub fn cases(&self, default: &[Purpose]) -> anyhow::Result<Vec<Case>> {
-        let Some(folder) = self.data.as_ref().filter(|folder| !folder.as_os_str().is_empty())
-        else {
+        let named = self.data.clone().or_else(|| std::env::var_os("HAZCAM_DATA").map(Into::into));
+        let Some(folder) = named.filter(|folder| !folder.as_os_str().is_empty()) else {
             bail!(
                 "there is no data: HAZCAM_DATA is not set and --data is not given; point either at \
                  a folder with Middlebury (vision.middlebury.edu/stereo/data), KITTI \
@@ -37,7 +38,7 @@ impl SceneArguments {
                  `hazcam demo`, which needs none"
             );
         };
-        let mut cases = dataset::open(folder)?;
+        let mut cases = dataset::open(&folder)?;
         match &self.purpose {
             Some(purpose) => {
                 let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;

@@ -7,6 +7,8 @@ use formats::Encoding;
 use score::{Measure, Scores, Unit};
 use serde::{Serialize, Serializer};
 
+use crate::wrap::wrapped;
+
 /// What to print.
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub enum Format {
@@ -162,18 +164,6 @@ impl Report {
     }
 }
 
-/// Lines of at most 96 characters, broken between words.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.len() + 1 + word.len() <= 96 => line.extend([" ", word]),
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
 /// A field of a CSV file (RFC 4180): in quotes where it needs them.
 fn quoted(field: &str) -> String {
     match field.contains([',', '"', '\n', '\r']) {
@@ -185,15 +175,6 @@ fn quoted(field: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn long_lines_are_broken_between_words() {
-        let text = "word ".repeat(40);
-        let lines = wrapped(text.trim());
-        assert_eq!(lines.len(), 3);
-        assert!(lines.iter().all(|line| line.len() <= 96 && line.ends_with("word")));
-        assert_eq!(lines.join(" "), text.trim());
-    }
 
     #[test]
     fn csv_fields_are_quoted_where_needed() {

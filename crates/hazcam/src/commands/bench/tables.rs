@@ -1,0 +1,124 @@
+//! Which tables tell what came of a run, and the words beside them.
+
+use arena::engine::measures_cpu_time;
+use arena::record::Record;
+use arena::report::{self, Format, Table};
+
+use crate::wrap::wrapped;
+
+/// Which tables are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum View {
+    /// Every score on every scene, then what it comes to over many scenes.
+    #[default]
+    Scores,
+    /// Every score on every scene, then where in the scenes the errors are.
+    Regions,
+    /// Only how the share of bad pixels changes from scene to scene.
+    Strains,
+}
+
+/// A run to be shown.
+pub struct Tables<'a> {
+    /// What was measured.
+    pub records: &'a [Record],
+    /// The engine that others are compared with.
+    pub reference: Option<&'a str>,
+    /// Which tables are shown.
+    pub view: View,
+}
+
+impl Tables<'_> {
+    /// The tables with their legend; as CSV the scores alone, as JSON the records.
+    pub fn render(&self, format: Format) -> String {
+        match format {
+            Format::Text => self.document(Table::to_text, |line| wrapped(&line).join("\n  ")),
+            Format::Markdown => self.document(Table::to_markdown, |line| format!("* {line}")),
+            Format::Csv => report::scores_table(self.records).to_csv(),
+            Format::Json => {
+                report::to_json(self.records, &report::summaries(self.records, self.reference))
+            }
+        }
+    }
+
+    /// Tables shown by `show`, each note by `note`.
+    fn document(&self, show: impl Fn(&Table) -> String, note: impl Fn(String) -> String) -> String {
+        let notes = |lines: Vec<String>| -> String {
+            lines.into_iter().map(|line| note(line) + "\n").collect()
+        };
+        let Self { records, reference, view } = *self;
+        match view {
+            View::Scores => {
+                let summaries = report::summaries(records, reference);
+                format!(
+                    "{}\n{}\n{}\n{}",
+                    show(&report::scores_table(records)),
+                    notes(self.notes(report::LEGEND.map(str::to_owned).to_vec())),
+                    show(&report::summary_table(&summaries, reference)),
+                    notes(vec![summary_note(reference)])
+                )
+            }
+            View::Regions => format!(
+                "{}\n{}\n{}\n{}",
+                show(&report::scores_table(records)),
+                notes(self.notes(report::LEGEND.map(str::to_owned).to_vec())),
+                show(&report::regions_table(records)),
+                notes(vec![report::REGIONS_LEGEND.into()])
+            ),
+            View::Strains => format!(
+                "{}\n{}",
+                show(&report::bad2_table(records)),
+                notes(self.notes(vec![
+                    "per cent of errors > 2 px and holes (Middlebury's bad 2), over all pixels of \
+                     the image, and noc: over those that both cameras see"
+                        .into()
+                ]))
+            ),
+        }
+    }
+
+    /// Failures, the legend, and how it was measured.
+    fn notes(&self, legend: Vec<String>) -> Vec<String> {
+        let mut lines: Vec<String> = report::failures(self.records)
+            .into_iter()
+            .map(|failure| format!("{}, {}: {}", failure.case, failure.engine, failure.status))
+            .collect();
+        let differ = self.records.iter().filter(|record| record.repeatable == Some(false));
+        lines.extend(differ.map(|record| {
+            format!("{}, {}: repeated runs gave different disparities", record.case, record.engine)
+        }));
+        lines.extend(legend);
+        if !measures_cpu_time() {
+            lines.push("this system tells neither CPU time nor memory of another process".into());
+        }
+        lines.extend(self.records.first().map(conditions));
+        lines
+    }
+}
+
+/// On which machine a record was made, and with what.
+pub fn conditions(record: &Record) -> String {
+    let machine = &record.machine;
+    let threads = match record.threads {
+        1 => "1 thread".to_owned(),
+        n => format!("{n} threads"),
+    };
+    format!(
+        "{threads} per engine; {}, {} cores, {}; hazcam {}",
+        machine.cpu.as_deref().unwrap_or(machine.architecture),
+        machine.cores,
+        machine.level.as_deref().unwrap_or("vector level unknown"),
+        record.hazcam
+    )
+}
+
+fn summary_note(reference: Option<&str>) -> String {
+    let means = "means over scenes, each of which weighs the same";
+    match reference {
+        Some(name) => format!(
+            "{means}; ratio: geometric mean of p_bad over that of {name}, which hides a single bad \
+             scene, so look at the worst one too"
+        ),
+        None => means.into(),
+    }
+}
