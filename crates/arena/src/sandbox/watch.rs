@@ -38,7 +38,7 @@ impl fmt::Display for Excess {
             Self::Bytes(bytes, limit) => write!(
                 f,
                 "it had written {} MiB to its folder; {} MiB are allowed",
-                bytes >> 20,
+                bytes.div_ceil(1 << 20),
                 limit >> 20
             ),
             Self::Entries(count) => {

@@ -77,7 +77,8 @@ fn checked(intake: &Intake<'_>, name: &Path) -> Result<PathBuf, SubmissionError>
     Ok(relative)
 }
 
-/// Whether this first block of 512 bytes is a tar header: its checksum fits.
+/// Whether this first block of 512 bytes is a tar header, whose checksum fits, or the end of an
+/// archive without entries, which is all zero.
 fn is_tar(block: &[u8]) -> bool {
     match <&[u8; 512]>::try_from(block) {
         Ok(block) => {
@@ -88,7 +89,8 @@ fn is_tar(block: &[u8]) -> bool {
                 // The checksum itself counts as blanks.
                 .map(|(at, &byte)| u32::from(if (148..156).contains(&at) { b' ' } else { byte }))
                 .sum();
-            header.cksum().is_ok_and(|claimed| claimed == sum)
+            block.iter().all(|&byte| byte == 0)
+                || header.cksum().is_ok_and(|claimed| claimed == sum)
         }
         Err(_) => false,
     }

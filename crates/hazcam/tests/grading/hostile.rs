@@ -1,0 +1,325 @@
+//! Submissions that attack the grader, the machine or the truth. Each must end in a clear status,
+//! harm nothing, and leave part 2, which is honest and comes after it, its points.
+
+use std::fs;
+
+use crate::classroom::{Classroom, HONEST};
+
+/// Part 1 whose function runs `body`; `out` has what it returns.
+fn attack(body: &str) -> String {
+    let body: String = body.lines().map(|line| format!("    {line}\n")).collect();
+    format!(
+        "import ctypes, os, resource, signal, socket, subprocess, sys, threading, time\n\
+         import numpy as np\n\n\
+         def NAME(Il, Ir, bbox, maxd):\n    out = np.zeros(Il.shape)\n{body}    return out\n"
+    )
+}
+
+/// Body of part 1, how it ends, and words of the message.
+fn expect_all(attacks: &[(&str, &str, &[&str])]) {
+    let Some(classroom) = Classroom::with_python() else { return };
+    for (body, outcome, words) in attacks {
+        let report = classroom.grade_source(&attack(body));
+        assert!(outcome.contains(report.outcome(0)), "{body}\n{}", report.message(0));
+        report.expect(report.outcome(0), words);
+    }
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
+fn time_cannot_be_stretched() {
+    expect_all(&[
+        ("while True: pass", "TO", &["of CPU time", "the limit is 1 s"]),
+        (
+            "for s in range(1, 65):\n    try: signal.signal(s, signal.SIG_IGN)\n    except (OSError, \
+             ValueError): pass\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 65))\n\
+             while True: pass",
+            "TO",
+            &["of CPU time"],
+        ),
+        ("resource.setrlimit(resource.RLIMIT_CPU, (10**6, 10**6))", "RE", &["setrlimit", "line 6"]),
+        // Two threads use twice the time: that of all threads counts.
+        (
+            "def spin():\n    while True: sum(range(1000))\n\
+             for _ in range(4): threading.Thread(target=spin, daemon=True).start()\n\
+             while True: np.sort(np.random.rand(10**5))",
+            "TO",
+            &["of CPU time"],
+        ),
+    ]);
+}
+
+#[test]
+fn nothing_is_done_before_the_clock_starts() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let source = format!(
+        "import os\nEARLY = [os.path.join(a, f) for a, _, b in os.walk('..') for f in b]\n{}",
+        HONEST.replace(
+            "best, Id =",
+            "assert not [f for f in EARLY if 'left' in f], EARLY\n    best, Id ="
+        )
+    );
+    classroom.grade_source(&source).expect("OK", &[]);
+    // Nor can the images be kept from coming.
+    let source = format!("import os\nos.mkdir('../job/left.npy')\n{HONEST}");
+    let report = classroom.grade_source(&source);
+    report.expect("BAD", &["put something where the images go"]);
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
+fn importing_has_its_own_limit() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let submission =
+        classroom.submission("sleepy", &format!("import time\ntime.sleep(1e6)\n{HONEST}"));
+    let report = classroom.grade(&submission, &["--start-limit", "2"]);
+    report.expect("TO", &["importing it took longer than 2 s"]);
+    report.expect_part_2_to_pass();
+}
+
+#[test]
+fn no_process_is_started() {
+    expect_all(&[
+        ("while True: os.fork()", "RE", &["PermissionError", "may not start programs"]),
+        ("subprocess.run(['/bin/true'])", "RE", &["may not start programs"]),
+        ("import multiprocessing\nmultiprocessing.Pool(2)", "RE", &["hint"]),
+        ("assert os.system('true') == 0, 'no shell'", "RE", &["no shell"]),
+        ("os.posix_spawn('/bin/true', ['true'], {})", "RE", &["may not start programs"]),
+        // Another program in its own place has the same rights and no answer.
+        ("os.execv('/bin/true', ['true'])", "RE", &["exited with status 0 without an answer"]),
+        (
+            "os.execv('/bin/cat', ['cat', '/etc/passwd'])",
+            "RE",
+            &["exited with status 1", "Permission denied"],
+        ),
+        (
+            "while True: threading.Thread(target=time.sleep, args=(100,), daemon=True).start()",
+            "RE",
+            &["thread"],
+        ),
+    ]);
+}
+
+#[test]
+fn nobody_else_is_signalled_or_inspected() {
+    expect_all(&[
+        ("os.kill(os.getppid(), 9)", "RE", &["PermissionError"]),
+        ("os.kill(-1, 9)", "RE", &["PermissionError"]),
+        ("os.kill(0, 9)", "RE", &["PermissionError"]),
+        ("os.killpg(os.getpgid(os.getppid()), 9)", "RE", &["PermissionError"]),
+        ("os.setsid()", "RE", &["PermissionError"]),
+        ("open('/proc/%d/environ' % os.getppid())", "RE", &["PermissionError"]),
+        ("open('/proc/%d/mem' % os.getppid(), 'rb')", "RE", &["PermissionError"]),
+        ("open('/proc/self/environ')", "RE", &["PermissionError"]),
+        (
+            "libc = ctypes.CDLL(None, use_errno=True)\n\
+             if libc.ptrace(16, os.getppid(), 0, 0): raise OSError(ctypes.get_errno(), 'ptrace')",
+            "RE",
+            &["PermissionError"],
+        ),
+        // No file is left open that is not its own: beyond the three streams, the two pipes to the
+        // grader that they were copied to.
+        (
+            "def is_open(k):\n    try: return bool(os.fstat(k))\n    except OSError: return False\n\
+             extra = [k for k in range(3, 64) if is_open(k)]\nassert not extra[2:], extra",
+            "OK",
+            &[],
+        ),
+    ]);
+}
+
+#[test]
+fn no_connection_is_opened() {
+    expect_all(&[
+        ("socket.socket()", "RE", &["PermissionError", "open connections"]),
+        ("socket.socket(socket.AF_UNIX)", "RE", &["PermissionError"]),
+        ("socket.socketpair()", "RE", &["PermissionError"]),
+        ("socket.create_connection(('127.0.0.1', 22))", "RE", &["hint"]),
+    ]);
+}
+
+#[test]
+fn files_elsewhere_are_out_of_reach() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let outside = classroom.path("outside");
+    fs::create_dir(&outside).unwrap();
+    fs::write(outside.join("truth.npy"), "the truth").unwrap();
+    let outside = outside.display();
+    for body in [
+        "open('/etc/passwd')".to_owned(),
+        "open('/etc/shadow')".to_owned(),
+        "os.listdir('/')".to_owned(),
+        "os.listdir('/proc')".to_owned(),
+        "os.listdir('../..')".to_owned(),
+        "os.listdir('/root')".to_owned(),
+        format!("np.load('{outside}/truth.npy')"),
+        format!("open('{outside}/truth.npy', 'a')"),
+        format!("open('{outside}/new', 'w')"),
+        format!("os.truncate('{outside}/truth.npy', 0)"),
+        format!("os.remove('{outside}/truth.npy')"),
+        format!("os.rename('{outside}/truth.npy', 'mine')"),
+        format!("os.link('{outside}/truth.npy', 'mine')"),
+        format!("os.symlink('{outside}/truth.npy', 'mine')"),
+        format!("os.chmod('{outside}/truth.npy', 0o777)"),
+        format!("os.utime('{outside}/truth.npy')"),
+        format!("os.mkdir('{outside}/new')"),
+        format!("os.rmdir('{outside}')"),
+        "open('/dev/shm/hazcam-test', 'w')".to_owned(),
+        "open('/tmp/hazcam-test', 'w')".to_owned(),
+        "open('../pid', 'w')".to_owned(),
+        "open('../hidden/left.npy', 'w')".to_owned(),
+        "open(sys.prefix + '/hazcam-test', 'w')".to_owned(),
+        "os.mkfifo('pipe')".to_owned(),
+        "os.chroot('.')".to_owned(),
+        "os.setuid(1)".to_owned(),
+        "os.memfd_create('x')".to_owned(),
+    ] {
+        let report = classroom.grade_source(&attack(&body));
+        assert_eq!(report.outcome(0), "RE", "{body}\n{}", report.message(0));
+        let message = report.message(0);
+        assert!(
+            message.contains("[Errno 13]")
+                || message.contains("[Errno 1]")
+                || message.contains("[Errno 38]"),
+            "{body}\n{message}"
+        );
+    }
+    classroom.expect_the_next_to_pass();
+    let names: Vec<_> = fs::read_dir(classroom.path("outside")).unwrap().flatten().collect();
+    assert_eq!(names.len(), 1);
+    assert_eq!(fs::read_to_string(names[0].path()).unwrap(), "the truth");
+}
+
+#[test]
+fn memory_and_disk_end_somewhere() {
+    expect_all(&[
+        ("out = np.ones(10**11)", "ML", &["MemoryError", "larger than the limit of memory"]),
+        ("keep = []\nwhile True: keep.append(np.zeros(10**7))", "ML", &["MemoryError"]),
+        (
+            "with open('big', 'wb') as file:\n    file.truncate(10**11)",
+            "RE",
+            &["larger than a submission may write"],
+        ),
+        ("with open('big', 'wb') as file:\n    while True: file.write(bytes(10**7))", "RE", &[]),
+        (
+            "for k in range(100):\n    open('big%d' % k, 'wb').write(bytes(10**7))\n\
+             time.sleep(1)",
+            "RE",
+            &["it had written", "32 MiB are allowed"],
+        ),
+        (
+            // As quick as the watch, so that the CPU time may end first.
+            "for k in range(10**6): open('small%d' % k, 'w').close()",
+            "RE or TO",
+            &[],
+        ),
+        ("keep = [open('f%d' % k, 'w') for k in range(100)]", "RE", &["too many files are open"]),
+    ]);
+}
+
+#[test]
+fn ends_without_an_answer_are_told_apart() {
+    expect_all(&[
+        ("ctypes.string_at(0)", "SG", &["memory that is not its own", "SIGSEGV"]),
+        ("os.abort()", "SG", &["SIGABRT"]),
+        ("os.kill(os.getpid(), 9)", "SG", &["SIGKILL"]),
+        ("os._exit(0)", "RE", &["status 0 without an answer"]),
+        ("os._exit(7)", "RE", &["status 7"]),
+        ("os.closerange(0, 256)\ntime.sleep(100)", "RE", &["closed its standard output"]),
+        ("raise KeyboardInterrupt", "RE", &["KeyboardInterrupt"]),
+    ]);
+}
+
+#[test]
+fn a_flood_of_output_is_cut() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let report = classroom.grade_source(&attack("while True: print('spam' * 10**5)"));
+    report.expect("TO", &["CPU time"]);
+    assert!(report.0["tests"][0]["output"].as_str().unwrap().len() <= 16 << 10);
+    // The same on the grader's own line, whose number can be found out.
+    for line in ["{\\\"hazcam\\\":\\\"ready\\\",\\\"protocol\\\":1}", "{\\\"hazcam\\\":3}", "spam"]
+    {
+        let report = classroom.grade_source(&attack(&format!(
+            "while True:\n    for k in range(3, 16):\n        try: os.write(k, b\"{line}\\n\" * \
+             1000)\n        except OSError: pass"
+        )));
+        assert!(["BAD", "TO"].contains(&report.outcome(0)), "{}", report.message(0));
+    }
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
+fn wrong_answers_are_refused() {
+    expect_all(&[
+        ("out = out[:-1]", "BAD", &["shape (119, 160)"]),
+        ("out = np.zeros((120, 160, 3))", "BAD", &["shape (120, 160, 3)"]),
+        ("out = np.zeros((10**4, 10**4), dtype=np.float32)", "BAD", &["shape (10000, 10000)"]),
+        ("out = out * np.nan", "BAD", &["no finite numbers"]),
+        ("out = out + np.inf", "BAD", &["no finite numbers"]),
+        ("out = 'disparity'", "BAD", &["returned a str"]),
+        ("out = np.array([['a'] * 160] * 120)", "BAD", &["real numbers"]),
+        ("out = out.astype(complex)", "BAD", &["real numbers"]),
+        ("out = out.astype(object)", "BAD", &["real numbers"]),
+        ("out = np.ma.zeros(Il.shape)", "OK", &[]),
+        ("class Mine(np.ndarray): pass\nout = out.view(Mine)", "OK", &[]),
+    ]);
+}
+
+/// Writes the answer past the runner and says that it is there.
+fn forged(write: &str) -> String {
+    attack(&format!(
+        "{write}\nfor k in range(3, 16):\n    try: os.write(k, b'{{\"hazcam\":\"done\",\"job\":1}}\\n')\
+         \n    except OSError: pass\ntime.sleep(100)"
+    ))
+}
+
+#[test]
+fn forged_answers_are_read_strictly() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let answer = "../job/disparity.npy";
+    for (write, words) in [
+        ("", "wrote no disparity file"),
+        ("np.save('@', np.array([{}], dtype=object), allow_pickle=True)", "disparity.npy"),
+        ("np.save('@', np.zeros((10**3, 10**3), np.float32))", "has 4000128 bytes"),
+        ("np.save('@', np.zeros((160, 120), np.float32))", "has the shape (160, 120)"),
+        ("np.save('@', np.zeros((120, 160)))", "has 153728 bytes"),
+        ("open('@', 'wb').write(b'\\x93NUMPY\\x01\\x00\\xff\\xff{')", "disparity.npy"),
+        ("open('@', 'w').close()", "disparity.npy"),
+        ("os.mkdir('@')", "no regular file"),
+    ] {
+        let report = classroom.grade_source(&forged(&write.replace('@', answer)));
+        report.expect("BAD", &[words]);
+    }
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
+fn a_copy_of_the_truth_is_noticed() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    // The wall stands at 5.5 pixels everywhere: its truth is easily handed in.
+    let report = classroom.grade_source(&attack("out = out + 5.5"));
+    report.expect("OK", &[]);
+    let remark = report.0["tests"][0]["remarks"][0].as_str().unwrap();
+    assert!(remark.contains("suspicious: 100 % of the scored pixels equal the truth"), "{remark}");
+}
+
+#[test]
+fn modules_cannot_be_put_in_the_runners_way() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let folder = classroom.submission("shadows", HONEST);
+    for name in ["json", "ast", "traceback", "hazcam_runner", "numpy", "site", "sitecustomize"] {
+        fs::write(folder.join(format!("{name}.py")), "raise SystemExit('shadowed')\n").unwrap();
+    }
+    let report = classroom.grade(&folder, &[]);
+    assert_eq!(report.0["points"], 5.0, "{}", report.message(0));
+}
+
+#[test]
+fn a_random_answer_shows_when_run_twice() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let source = attack("out = np.random.rand(*Il.shape)");
+    let report = classroom.grade(&classroom.submission("dice", &source), &["--twice"]);
+    let remark = report.0["tests"][0]["remarks"][0].as_str().unwrap();
+    assert!(remark.starts_with("a second run gave other values in"), "{remark}");
+    assert_eq!(report.0["tests"][1]["remarks"], serde_json::json!([]));
+}

@@ -1,0 +1,11 @@
+//! Grading as an instructor meets it: `grade` is run on submissions of every sort, honest and
+//! hostile, and what it prints, leaves behind and ends with is looked at.
+
+mod archives;
+mod classroom;
+mod engines;
+mod entrants;
+mod hostile;
+mod messages;
+mod missing_parts;
+mod outputs;

@@ -1,0 +1,151 @@
+//! Mistakes that students make, and what they are told: the words must say what to mend.
+
+use std::fs;
+
+use crate::classroom::{Classroom, HONEST};
+
+/// Part 1's source, how it ends, and words of the message.
+const MISTAKES: &[(&str, &str, &[&str])] = &[
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    Id = Il\n\tId = Ir\n    return Id\n",
+        "RE",
+        &[
+            "stereo_disparity_fast.py, line 3: TabError",
+            "<tab>Id = Ir",
+            "tabs and spaces are mixed",
+        ],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    print 'hello'\n",
+        "RE",
+        &["line 2: SyntaxError", "this is Python 2: write print(...)"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    for d in xrange(maxd):\n        pass\n",
+        "RE",
+        &["line 2, in stereo_disparity_fast", "NameError", "write range"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    return Il[:Il.shape[0] / 2]\n",
+        "RE",
+        &["TypeError: slice indices", "write `//`"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    Id = Il * 0\n",
+        "BAD",
+        &["returned nothing (None)", "`return Id`"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    return Il[10:50, 10:70]\n",
+        "BAD",
+        &["shape (40, 60)", "(120, 160) (rows, columns), whatever the box"],
+    ),
+    ("def NAME(Il, Ir, bbox, maxd):\n    return [1, 2]\n", "BAD", &["returned a list"]),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    return Il * float('nan')\n",
+        "BAD",
+        &["19200 pixels of the box are no finite numbers", "column 0, row 0", "from 0 to 12"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox):\n    return Il\n",
+        "RE",
+        &["line 1", "takes 3 arguments, but it is called with four: Il, Ir, bbox, maxd"],
+    ),
+    (
+        "def stereo_disparity(Il, Ir, bbox, maxd):\n    return Il\n",
+        "RE",
+        &["there is no function stereo_disparity_fast(Il, Ir, bbox, maxd)", "defines stereo_disp"],
+    ),
+    (
+        "import stereo_tools\ndef NAME(Il, Ir, bbox, maxd):\n    return Il\n",
+        "RE",
+        &["line 1", "No module named 'stereo_tools'", "hand the file in, or remove the import"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    exit(0)\n",
+        "RE",
+        &["SystemExit", "must return and not end the program"],
+    ),
+    ("def NAME(Il, Ir, bbox, maxd):\n    input()\n", "RE", &["EOFError", "remove input()"]),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    return NAME(Il, Ir, bbox, maxd)\n",
+        "RE",
+        &["RecursionError", "write it as a loop"],
+    ),
+    ("", "RE", &["there is no function"]),
+    ("\0", "RE", &["null bytes"]),
+];
+
+#[test]
+fn every_mistake_is_told_where_it_is_and_what_to_do() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    for (source, outcome, words) in MISTAKES {
+        let report = classroom.grade_source(source);
+        report.expect(outcome, words);
+        assert!(!report.message(0).contains("hazcam_runner"), "{}", report.message(0));
+        assert!(!report.message(0).contains("importlib"), "{}", report.message(0));
+    }
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
+fn drawing_libraries_may_be_imported_and_not_used() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    // A name that is surely not installed, of a library that has a stand-in where it is missing.
+    let report = classroom.grade_source(&format!("import mat4py\n{HONEST}"));
+    report.expect("OK", &[]);
+    let report = classroom
+        .grade_source("import mat4py\ndef NAME(Il, Ir, bbox, maxd):\n    mat4py.loadmat('a')\n");
+    report.expect("RE", &["line 3", "mat4py", "remove the call"]);
+}
+
+#[test]
+fn values_outside_of_the_range_or_the_box_are_forgiven() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let edges = "    Id[0, 0], Id[0, 1], Id[0, 2] = -5, 99, 12.5\n    return Id\n";
+    let report = classroom.grade_source(&HONEST.replace("    return Id\n", edges));
+    report.expect("OK", &[]);
+    assert_eq!(report.0["tests"][0]["scores"]["clipped"], 3);
+    let remark = report.0["tests"][0]["remarks"][0].as_str().unwrap();
+    assert!(
+        remark.starts_with("3 of the 19200 pixels in the box were outside 0 to 12"),
+        "{remark}"
+    );
+}
+
+#[test]
+fn a_missing_or_useless_secret_id_costs_no_points() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let folder = classroom.submission("nameless", HONEST);
+    for (content, words) in [
+        (None, "the file is missing; it defines secret_id()"),
+        (Some("def secret_id():\n    return 'ab'\n"), "'ab' (2 characters), but 4 to 32"),
+        (Some("def secret_id():\n    return 7\n"), "returned a int, but a string is needed"),
+        (Some("secret_id = 'abcdef'\n"), "is a str and no function: write `def secret_id"),
+        (Some("def secret_id():\n    return 1 / 0\n"), "ZeroDivisionError"),
+        (Some("def secret_id()\n    return 'abcdef'\n"), "SyntaxError"),
+    ] {
+        let file = folder.join("secret_id.py");
+        match content {
+            Some(text) => fs::write(file, text).unwrap(),
+            None => fs::remove_file(file).unwrap(),
+        }
+        let report = classroom.grade(&folder, &[]);
+        assert_eq!((&report.0["secret_id"], report.0["points"].as_f64()), (&().into(), Some(5.0)));
+        assert!(report.findings().contains(words), "{}", report.findings());
+    }
+}
+
+#[test]
+fn files_of_the_wrong_name_are_found() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let folder = classroom.submission("renamed", HONEST);
+    fs::rename(
+        folder.join("stereo_disparity_fast.py"),
+        folder.join("Stereo_disparity_fast (1).py"),
+    )
+    .unwrap();
+    let report = classroom.grade(&folder, &[]);
+    report.expect("RE", &["the file is missing; there is `Stereo_disparity_fast (1).py`: rename"]);
+    report.expect_part_2_to_pass();
+}

@@ -1,0 +1,103 @@
+//! The forms of a report, on one submission that passes one test and fails the other.
+
+use serde_json::{Value, json};
+
+use crate::classroom::{Classroom, HONEST};
+
+const CRASH: &str = "def NAME(Il, Ir, bbox, maxd):\n    return 1 / 0\n";
+
+#[test]
+fn every_form_has_every_test() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    classroom.submission("handin", CRASH);
+    let run = |form: &str| {
+        let arguments = ["handin", "--scheme", "small.toml", "--format", form];
+        let (status, stdout, stderr) = classroom.run(&arguments);
+        assert_eq!((status, stderr.as_str()), (0, ""));
+        stdout
+    };
+    let text = run("text");
+    for words in [
+        "Small (5 points): handin, in a sandbox\n",
+        "Part 1, wall             limit 1 CPU s\n  RE    0 of 2 points\n",
+        "stereo_disparity_fast.py, line 2, in stereo_disparity_fast\n",
+        "ZeroDivisionError: division by zero",
+        "Part 2, wall             limit 1 CPU s\n  OK    3 of 3 points   E_RMS",
+        "Secret ID: Secret handin\n3 of 5 points\n",
+    ] {
+        assert!(text.contains(words), "`{words}` is not in:\n{text}");
+    }
+    let autolab = run("autolab");
+    let last: Value = serde_json::from_str(autolab.lines().last().unwrap()).unwrap();
+    assert_eq!(last["scores"], json!({ "Part 1, wall": 0.0, "Part 2, wall": 3.0 }));
+    assert_eq!(last["scoreboard"][0], 3.0);
+    let gradescope: Value = serde_json::from_str(&run("gradescope")).unwrap();
+    assert_eq!(gradescope["score"], 3.0);
+    assert_eq!(gradescope["tests"][0]["status"], "failed");
+    assert_eq!(gradescope["tests"][1]["status"], "passed");
+    let junit = run("junit");
+    assert!(junit.contains("tests=\"2\" failures=\"1\" errors=\"0\""), "{junit}");
+    assert!(junit.contains("ZeroDivisionError"), "{junit}");
+}
+
+#[test]
+fn a_file_gets_the_results_and_the_screen_the_text() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    classroom.submission("handin", HONEST);
+    let arguments =
+        ["handin", "--scheme", "small.toml", "--format", "gradescope", "-o", "results.json"];
+    let (status, stdout, _) = classroom.run(&arguments);
+    assert_eq!(status, 0);
+    assert!(stdout.ends_with("5 of 5 points\n"), "{stdout}");
+    let results = std::fs::read(classroom.path("results.json")).unwrap();
+    assert_eq!(serde_json::from_slice::<Value>(&results).unwrap()["score"], 5.0);
+}
+
+#[test]
+fn the_status_says_when_points_are_missing_or_the_grader_failed() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    classroom.submission("handin", CRASH);
+    let graded = |arguments: &[&str]| {
+        let mut all = vec!["handin", "--scheme", "small.toml"];
+        all.extend(arguments);
+        classroom.run(&all)
+    };
+    assert_eq!(graded(&["--fail-under", "3"]).0, 0);
+    assert_eq!(graded(&["--fail-under", "4"]).0, 1);
+    let (status, stdout, _) = graded(&["--python", "/nonexistent/python"]);
+    assert_eq!(status, 2);
+    assert!(stdout.contains("XX") && stdout.contains("/nonexistent/python"), "{stdout}");
+    // Without data, the course's tests cannot be run: the grader's fault, with the remedy.
+    let (status, stdout, _) = classroom.run(&["handin"]);
+    assert_eq!(status, 2);
+    assert!(stdout.contains("set HAZCAM_DATA, or --data, to the folder"), "{stdout}");
+}
+
+#[test]
+fn mistakes_on_the_command_line_are_named() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    std::fs::write(classroom.path("bad.toml"), "name = 'x'\n[[test]]\nname = 'a'\n").unwrap();
+    for (arguments, words) in [
+        (&[][..], "required"),
+        (&["nothing-here"], "there is no nothing-here: give a folder or a tar archive"),
+        (&["--matcher", "fastest"], "there is no engine `fastest`"),
+        (&["--matcher", "fast", "--scheme", "bad.toml"], "bad.toml: "),
+        (&["--matcher", "fast", "--scheme", "none.toml"], "cannot read none.toml"),
+        (&["--matcher", "fast", "--cpu-limit", "0"], "give seconds from 0.1"),
+        (&["--matcher", "fast", "--data", "nowhere"], "nowhere"),
+    ] {
+        let (status, stdout, stderr) = classroom.run(arguments);
+        assert_eq!((status, stdout.as_str()), (2, ""), "{arguments:?}");
+        assert!(stderr.contains(words), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn the_scheme_that_is_printed_can_be_used() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let (status, scheme, _) = classroom.run(&["--print-scheme"]);
+    assert_eq!(status, 0);
+    let path = classroom.path("mine.toml");
+    let parsed = arena::grade::Scheme::parse(&scheme, &path).unwrap();
+    assert_eq!(parsed, arena::grade::Scheme::course());
+}
