@@ -72,6 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[allow(clippy::disallowed_methods)] // compared with, not rendered by
     fn powers_agree_with_the_standard_library() {
         for i in 1..400 {
             let base = f64::from(i) * f64::from(i) * 1e-4;

@@ -108,6 +108,7 @@ mod tests {
     use crate::vector::vector;
 
     #[test]
+    #[allow(clippy::disallowed_methods)] // compared with, not rendered by
     fn the_response_is_its_formula() {
         let mut settings = Settings::new(Kind::Cards, 0);
         settings.exposure = 2.0;
@@ -128,6 +129,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::disallowed_methods)] // compared with, not rendered by
     fn noise_has_its_deviation_and_differs_between_the_cameras() {
         let mut settings = Settings::new(Kind::Cards, 0);
         settings.noise = 5.0;
