@@ -70,18 +70,22 @@ pub(crate) struct Winners {
 /// The memory of the kernel: sums of a band of rows.
 #[derive(Debug, Default)]
 pub(crate) struct Sad {
-    /// `V`: per supporting column all disparities.
+    /// `V`: per supporting column all disparities, with [`BEFORE`] and [`RADIUS`] columns of zeros
+    /// before and after, for windows that leave the image.
     columns: Vec<u8>,
-    /// `C` of a tile: per column all disparities and `PAD` times [`OUT`].
+    /// `C` of a tile: per column all disparities and `PAD` times [`OUT`]. Disparities that cannot
+    /// be tried are [`OUT`] as well.
     costs: Vec<u16>,
-    /// A column of `V` outside the image.
-    nothing: Vec<u8>,
-    /// A column of `C` over an empty window: [`OUT`] where no disparity is searched.
-    empty: Vec<u16>,
-    /// A column of `C` of which a part can be tried.
-    part: Vec<u16>,
+    /// `C` of the last column of the tile before: from there it slides on.
+    sums: Vec<u16>,
+    /// Per column of a tile, its groups of costs folded into one.
+    minima: Vec<[u16; GROUP]>,
     pub winners: Winners,
 }
+
+/// Columns of zeros before the first supporting one: the one that leaves the first window is the
+/// furthest.
+const BEFORE: usize = RADIUS + 1;
 
 fn refill<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
     buffer.clear();
@@ -93,12 +97,10 @@ impl Sad {
     pub fn begin(&mut self, space: &SearchSpace, supporting: usize) {
         let lanes = space.lanes;
         assert!(lanes > 0 && lanes.is_multiple_of(GROUP), "{lanes} lanes are not whole groups");
-        refill(&mut self.columns, supporting * lanes, 0);
+        refill(&mut self.columns, (BEFORE + supporting + RADIUS) * lanes, 0);
         refill(&mut self.costs, PAD + (CARRIED + TILE + 1) * (lanes + PAD), OUT);
-        refill(&mut self.nothing, lanes, 0);
-        refill(&mut self.empty, lanes, OUT);
-        self.empty[..space.count].fill(0);
-        refill(&mut self.part, lanes, OUT);
+        refill(&mut self.sums, lanes, 0);
+        refill(&mut self.minima, TILE + 1, [OUT; GROUP]);
         let winners = &mut self.winners;
         for buffer in [
             &mut winners.index,
@@ -129,8 +131,7 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        let Sad { columns, costs, nothing, empty, part, winners } = sad;
-        let nothing: &[u8] = nothing;
+        let Sad { columns, costs, sums, minima, winners } = sad;
         let (lanes, total, supporting) = (space.lanes, space.columns(), entering.left.len());
         let stride = lanes + PAD;
         let column = |c: usize| PAD + c * stride..PAD + c * stride + lanes;
@@ -139,11 +140,11 @@ at_every_level! {
         let mut slid = supporting.min(margin + RADIUS);
         slide_columns(columns, 0..slid, lanes, entering, leaving);
         // The window around the column before the first one: from there it slides.
-        let before = &mut costs[column(CARRIED - 1)];
-        before.copy_from_slice(empty);
-        for c in 0..slid {
-            slide_window(before, &columns[c * lanes..][..lanes], nothing);
+        sums.fill(0);
+        for c in margin.saturating_sub(BEFORE)..slid {
+            add_column(sums, &columns[(BEFORE + c) * lanes..][..lanes]);
         }
+        costs[column(CARRIED - 1)].fill(OUT);
 
         let mut done = 0;
         while done < total {
@@ -151,16 +152,13 @@ at_every_level! {
             let upto = supporting.min(margin + done + size + RADIUS);
             slide_columns(columns, slid..upto, lanes, entering, leaving);
             slid = upto;
-            for i in 0..size {
-                let (front, back) = costs.split_at_mut(PAD + (CARRIED + i) * stride);
-                let sums = &mut back[..lanes];
-                sums.copy_from_slice(&front[PAD + (CARRIED + i - 1) * stride..][..lanes]);
-                let centre = margin + done + i;
-                let supply = |c: usize| &columns[c * lanes..][..lanes];
-                let entering =
-                    if centre + RADIUS < supporting { supply(centre + RADIUS) } else { nothing };
-                let leaving = if centre > RADIUS { supply(centre - RADIUS - 1) } else { nothing };
-                slide_window(sums, entering, leaving);
+            let supply = &columns[(margin + done) * lanes..][..(size + 2 * RADIUS + 1) * lanes];
+            let tile = &mut costs[PAD + CARRIED * stride..][..size * stride];
+            slide_window(sums, tile, supply, lanes);
+            for (x, column) in (space.first + done..).zip(tile.chunks_exact_mut(stride)) {
+                let candidates = space.candidates(x);
+                column[..candidates.start].fill(OUT);
+                column[candidates.end..lanes].fill(OUT);
             }
             let folds = size / FOLD;
             for fold in 0..folds {
@@ -171,25 +169,26 @@ at_every_level! {
             }
             for i in folds * FOLD..size {
                 let minima = &mut winners.right[total - 1 - (done + i)..][..lanes];
-                lessen(minima, &costs[column(CARRIED + i)]);
-            }
-            // The winner of a column looks at both its neighbours: it is found one column late.
-            for i in 0..size {
-                if done + i > 0 {
-                    let at = CARRIED + i - 1;
-                    find_winner(costs, at, space, done + i - 1, part, winners);
+                for (least, &cost) in minima.iter_mut().zip(&costs[column(CARRIED + i)]) {
+                    *least = cost.min(*least);
                 }
             }
-            done += size;
-            if done < total {
-                costs.copy_within(size * stride..PAD + (size + CARRIED) * stride, 0);
-            } else {
+            // The winner of a column looks at both its neighbours: it is found one column late.
+            let late = usize::from(done > 0);
+            let last = done + size == total;
+            if last {
                 costs[column(CARRIED + size)].fill(OUT);
-                find_winner(costs, CARRIED + size - 1, space, total - 1, part, winners);
             }
+            let found = size + late - usize::from(!last);
+            find_winners(costs, CARRIED - late, lanes, done - late, &mut minima[..found], winners);
+            costs.copy_within(size * stride..PAD + (size + CARRIED) * stride, 0);
+            done += size;
         }
     }
 }
+
+// The loops below work on copies of whole groups: the compiler then knows that nothing overlaps,
+// and keeps a group in registers from the first operation to the last.
 
 /// `V` of supporting columns `range`, one row further down.
 #[inline(always)]
@@ -201,33 +200,67 @@ fn slide_columns(
     leaving: RowPair<'_>,
 ) {
     let last = entering.left.len() - 1;
-    let columns = &mut columns[range.start * lanes..range.end * lanes];
+    let columns = &mut columns[(BEFORE + range.start) * lanes..(BEFORE + range.end) * lanes];
     for (c, column) in range.zip(columns.chunks_exact_mut(lanes)) {
-        let (l_in, l_out) = (entering.left[c], leaving.left[c]);
-        let r_in = &entering.reversed[last - c..][..lanes];
-        let r_out = &leaving.reversed[last - c..][..lanes];
-        let groups = column.as_chunks_mut::<GROUP>().0.iter_mut();
-        let right = r_in.as_chunks::<GROUP>().0.iter().zip(r_out.as_chunks::<GROUP>().0);
-        for (sums, (r_in, r_out)) in groups.zip(right) {
-            for i in 0..GROUP {
-                let (gain, loss) = (l_in.abs_diff(r_in[i]), l_out.abs_diff(r_out[i]));
-                sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss);
-            }
+        let left = (entering.left[c], leaving.left[c]);
+        let right_in = &entering.reversed[last - c..][..lanes];
+        let right_out = &leaving.reversed[last - c..][..lanes];
+        let (pairs, single) = column.as_chunks_mut::<{ 2 * GROUP }>();
+        let (in_pairs, in_single) = right_in.as_chunks::<{ 2 * GROUP }>();
+        let (out_pairs, out_single) = right_out.as_chunks::<{ 2 * GROUP }>();
+        for ((sums, right_in), right_out) in pairs.iter_mut().zip(in_pairs).zip(out_pairs) {
+            *sums = slide_sums(*sums, left, *right_in, *right_out);
+        }
+        let single = single.as_chunks_mut::<GROUP>().0.iter_mut();
+        let right = in_single.as_chunks::<GROUP>().0.iter().zip(out_single.as_chunks::<GROUP>().0);
+        for (sums, (right_in, right_out)) in single.zip(right) {
+            *sums = slide_sums(*sums, left, *right_in, *right_out);
         }
     }
 }
 
-/// `C` one column further: one column of `V` enters the window, one leaves it.
 #[inline(always)]
-fn slide_window(sums: &mut [u16], entering: &[u8], leaving: &[u8]) {
-    let entering = entering.as_chunks::<GROUP>().0;
-    let leaving = leaving.as_chunks::<GROUP>().0;
-    let groups = sums.as_chunks_mut::<GROUP>().0.iter_mut();
-    for (sums, (gain, loss)) in groups.zip(entering.iter().zip(leaving)) {
-        for i in 0..GROUP {
-            let gained = sums[i].wrapping_add(u16::from(gain[i]));
-            sums[i] = gained.wrapping_sub(u16::from(loss[i]));
+fn slide_sums<const N: usize>(
+    mut sums: [u8; N],
+    (left_in, left_out): (u8, u8),
+    right_in: [u8; N],
+    right_out: [u8; N],
+) -> [u8; N] {
+    for i in 0..N {
+        let gain = left_in.max(right_in[i]) - left_in.min(right_in[i]);
+        let loss = left_out.max(right_out[i]) - left_out.min(right_out[i]);
+        sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss);
+    }
+    sums
+}
+
+#[inline(always)]
+fn add_column(sums: &mut [u16], column: &[u8]) {
+    for (sum, &v) in sums.iter_mut().zip(column) {
+        *sum = sum.wrapping_add(u16::from(v));
+    }
+}
+
+/// `C` of a tile. `sums` are those of the column before it; `columns` begins with the column of `V`
+/// that leaves the first window.
+#[inline(always)]
+fn slide_window(sums: &mut [u16], tile: &mut [u16], columns: &[u8], lanes: usize) {
+    let stride = lanes + PAD;
+    let leaving = columns.chunks_exact(lanes);
+    let entering = columns[(2 * RADIUS + 1) * lanes..].chunks_exact(lanes);
+    for (at, running) in (0..).step_by(GROUP).zip(sums.as_chunks_mut::<GROUP>().0) {
+        let mut sums = *running;
+        let tile = tile.chunks_exact_mut(stride);
+        for (costs, (entering, leaving)) in tile.zip(entering.clone().zip(leaving.clone())) {
+            let gain: [u8; GROUP] = *entering[at..].first_chunk().expect("a whole group");
+            let loss: [u8; GROUP] = *leaving[at..].first_chunk().expect("a whole group");
+            for i in 0..GROUP {
+                let gained = sums[i].wrapping_add(u16::from(gain[i]));
+                sums[i] = gained.wrapping_sub(u16::from(loss[i]));
+            }
+            *costs[at..].first_chunk_mut().expect("a whole group") = sums;
         }
+        *running = sums;
     }
 }
 
@@ -238,80 +271,89 @@ fn fold_into_right_view(costs: &[u16], stride: usize, minima: &mut [u16]) {
     // Place `i` belongs to index `i - (FOLD - 1) + j` of column `j`.
     let diagonal: [&[u16]; FOLD] =
         std::array::from_fn(|j| &costs[PAD + j * stride + j - (FOLD - 1)..][..stride]);
-    let (groups, rest) = minima.as_chunks_mut::<GROUP>();
-    for (g, minima) in groups.iter_mut().enumerate() {
-        for costs in diagonal {
-            let costs: &[u16; GROUP] = costs.as_chunks().0[g..].first().expect("as long");
-            for i in 0..GROUP {
-                minima[i] = minima[i].min(costs[i]);
-            }
+    let mut at = 0;
+    while at + GROUP <= stride {
+        fold_group::<GROUP>(&diagonal, at, minima);
+        at += GROUP;
+    }
+    fold_group::<PAD>(&diagonal, at, minima);
+}
+
+#[inline(always)]
+fn fold_group<const N: usize>(diagonal: &[&[u16]; FOLD], at: usize, minima: &mut [u16]) {
+    let minima: &mut [u16; N] = minima[at..].first_chunk_mut().expect("a whole group");
+    let mut least = *minima;
+    for costs in diagonal {
+        let costs: [u16; N] = *costs[at..].first_chunk().expect("a whole group");
+        for i in 0..N {
+            least[i] = least[i].min(costs[i]);
         }
     }
-    let done = groups.len() * GROUP;
-    for costs in diagonal {
-        lessen(rest, &costs[done..]);
-    }
+    *minima = least;
 }
 
+/// Finds what wins at as many columns as there are `minima`, from column `first` of the tile and
+/// answered column `x` on.
 #[inline(always)]
-fn lessen(minima: &mut [u16], costs: &[u16]) {
-    for (least, &cost) in minima.iter_mut().zip(costs) {
-        *least = cost.min(*least);
-    }
-}
-
-/// Finds what wins at answered column `x`, whose costs stand at place `at` of the tile.
-#[inline(always)]
-fn find_winner(
+fn find_winners(
     costs: &[u16],
-    at: usize,
-    space: &SearchSpace,
+    first: usize,
+    lanes: usize,
     x: usize,
-    part: &mut [u16],
+    minima: &mut [[u16; GROUP]],
     winners: &mut Winners,
 ) {
-    let stride = space.lanes + PAD;
-    let here = PAD + at * stride;
-    let all = &costs[here..][..space.lanes];
-    let candidates = space.candidates(space.first + x);
-    let tried = if candidates == (0..space.count) {
-        all
-    } else {
-        part.fill(OUT);
-        part[candidates.clone()].copy_from_slice(&all[candidates]);
-        part
-    };
-    let (index, least) = least_of(tried);
-    let k = usize::from(index);
-    winners.index[x] = index;
-    winners.least[x] = least;
-    winners.before[x] = if k > 0 { tried[k - 1] } else { OUT };
-    winners.after[x] = if k + 1 < tried.len() { tried[k + 1] } else { OUT };
-    let behind = if x > 0 { costs[here + k - 1 - stride] } else { OUT };
-    winners.confirming[x] = least.min(behind).min(costs[here + k + 1 + stride]);
+    let stride = lanes + PAD;
+    let answered = x..x + minima.len();
+    let columns = costs[PAD + first * stride..].chunks_exact(stride);
+    for (column, minima) in columns.clone().zip(minima.iter_mut()) {
+        let mut least = [OUT; GROUP];
+        for group in column.as_chunks::<GROUP>().0 {
+            let group = *group;
+            for i in 0..GROUP {
+                least[i] = least[i].min(group[i]);
+            }
+        }
+        *minima = least;
+    }
+    // From memory, the compiler folds a group by halves; from registers, lane after lane.
+    let least = &mut winners.least[answered.clone()];
+    for (minima, least) in minima.iter().zip(least.iter_mut()) {
+        *least = minima.iter().fold(OUT, |least, &cost| least.min(cost));
+    }
+    let index = &mut winners.index[answered.clone()];
+    for ((column, &least), index) in columns.zip(least.iter()).zip(index.iter_mut()) {
+        *index = first_of(&column[..lanes], least);
+    }
+    let before = winners.before[answered.clone()].iter_mut();
+    let after = winners.after[answered.clone()].iter_mut();
+    let confirming = winners.confirming[answered].iter_mut();
+    let here = (PAD + first * stride..).step_by(stride);
+    let found = here.zip(index.iter()).zip(least.iter());
+    for (((here, &index), &least), ((before, after), confirming)) in
+        found.zip(before.zip(after).zip(confirming))
+    {
+        let at = here + usize::from(index);
+        *before = costs[at - 1];
+        *after = costs[at + 1];
+        *confirming = least.min(costs[at - 1 - stride]).min(costs[at + 1 + stride]);
+    }
 }
 
-/// The first index of the least cost, and that cost.
+/// The first place of a cost.
 #[inline(always)]
-fn least_of(costs: &[u16]) -> (u16, u16) {
-    let groups = costs.as_chunks::<GROUP>().0;
-    let mut least = [u16::MAX; GROUP];
-    for group in groups {
-        for i in 0..GROUP {
-            least[i] = least[i].min(group[i]);
-        }
-    }
-    let least = least.into_iter().fold(u16::MAX, u16::min);
+fn first_of(costs: &[u16], cost: u16) -> u16 {
     let mut first = [u16::MAX; GROUP];
     let mut base = 0;
-    for group in groups {
+    for group in costs.as_chunks::<GROUP>().0 {
+        let group = *group;
         for i in 0..GROUP {
-            let index = if group[i] == least { base + i as u16 } else { u16::MAX };
+            let index = if group[i] == cost { base + i as u16 } else { u16::MAX };
             first[i] = first[i].min(index);
         }
         base += GROUP as u16;
     }
-    (first.into_iter().fold(u16::MAX, u16::min), least)
+    first.into_iter().fold(u16::MAX, u16::min)
 }
 
 #[cfg(test)]
