@@ -68,7 +68,7 @@ impl Ui {
 
     /// Says on stderr why the program ends, causes included.
     pub fn error(&self, error: &anyhow::Error) {
-        say("\x1b[1;31merror:\x1b[0m", format_args!("{error:#}"));
+        say("\x1b[1;31merror:\x1b[0m", with_causes(error));
     }
 
     /// Shows what is being done and for how long, where the end cannot be foreseen.
@@ -100,7 +100,30 @@ impl Ui {
     }
 }
 
+/// The error and its causes, each once: some errors already end with the words of their cause.
+fn with_causes(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |text, cause| match cause.to_string() {
+        cause if text.is_empty() => cause,
+        cause if text.ends_with(&cause) => text,
+        cause => format!("{text}: {cause}"),
+    })
+}
+
 /// A line on stderr. That nobody can read it is no reason to fail.
 fn say(label: &str, text: impl fmt::Display) {
     let _ = writeln!(anstream::stderr().lock(), "{label} {text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_that_was_told_is_not_repeated() {
+        let file = || io::Error::new(io::ErrorKind::NotFound, "no such file");
+        let outer = anyhow::Error::new(file()).context("cannot open a.png: no such file");
+        assert_eq!(with_causes(&outer), "cannot open a.png: no such file");
+        let outer = anyhow::Error::new(file()).context("cannot open a.png");
+        assert_eq!(with_causes(&outer), "cannot open a.png: no such file");
+    }
 }

@@ -38,7 +38,8 @@ impl SceneArguments {
                  `hazcam demo`, which needs none"
             );
         };
-        let mut cases = dataset::open(&folder)?;
+        let said_by = if self.data.is_some() { "--data" } else { "HAZCAM_DATA" };
+        let mut cases = dataset::open(&folder).with_context(|| said_by)?;
         match &self.purpose {
             Some(purpose) => {
                 let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;
