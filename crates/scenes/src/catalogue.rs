@@ -10,7 +10,8 @@ pub fn demo_scenes() -> Vec<Settings> {
 }
 
 /// Scenes that each strain one assumption of a matcher, with a label that says which and how
-/// much. Scenes of one family differ in nothing else, so that what grows is due to it.
+/// much. All are the same cards with fine texture, 450 x 375 pixels, 0 to 64 disparities and noise
+/// 1, and differ in nothing else, so that what grows is due to it.
 pub fn stress_scenes() -> Vec<(String, Settings)> {
     let mut scenes = Vec::new();
     let base = Settings::new(Kind::Cards, 1);
@@ -20,9 +21,8 @@ pub fn stress_scenes() -> Vec<(String, Settings)> {
         scenes.push((label, settings));
     };
     add("plain".into(), &|_| {});
-    for stops in [-2, -1, 1] {
-        let factor = if stops < 0 { 1.0 / f64::from(1 << -stops) } else { f64::from(1 << stops) };
-        add(format!("right exposure {stops:+} stops"), &|s| s.right_exposure = factor);
+    for factor in [0.25, 0.5, 2.0] {
+        add(format!("right exposure {factor}"), &|s| s.right_exposure = factor);
     }
     for gain in [0.7, 1.3] {
         add(format!("right gain {gain}"), &|s| s.right_gain = gain);
@@ -46,7 +46,7 @@ pub fn stress_scenes() -> Vec<(String, Settings)> {
     for count in [1, 2, 16, 128, 256, 512] {
         add(format!("{count} disparities"), &|s| s.max_disparity = count - 1);
     }
-    add("disparities -16 to 47".into(), &|s| (s.min_disparity, s.max_disparity) = (-16, 47));
+    add("negative disparities".into(), &|s| (s.min_disparity, s.max_disparity) = (-16, 47));
     for columns in [32, 8, 1] {
         add(format!("{columns} columns"), &|s| s.columns = columns);
     }

@@ -36,11 +36,15 @@ pub struct RegionScores {
 }
 
 /// Scores an answer inside the scene's box. Without truth there are no scores.
+///
+/// Middlebury's measures clip estimates to 0 to the largest disparity, as its benchmark does, where
+/// the scene's range begins at 0 or above; that benchmark knows no negative disparities.
 pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreError> {
     let Some(truth) = &data.truth else { return Ok(RegionScores::default()) };
     let whole = BoundingBox::whole(data.left.columns(), data.left.rows());
     let bounds = Some(data.bounds).filter(|bounds| *bounds != whole);
-    let highest = Some(f64::from(data.range.max())).filter(|highest| *highest > 0.0);
+    let clips = data.range.min() >= 0 && data.range.max() > 0;
+    let highest = clips.then_some(f64::from(data.range.max()));
     let evaluation = Evaluation::new(&answer.disparity, truth)?.clipped_to(highest);
     let all = Region::whole().within(bounds);
     let mut scores = vec![evaluation.scores(&all)?];
@@ -110,7 +114,26 @@ mod tests {
         assert_eq!(scored.scores[0].course.as_ref().unwrap().p_bad, 1.0 / 3.0);
         assert_eq!(scored.scores[2].middlebury.avgerr, Some(0.5));
         assert_eq!(scored.confidence.unwrap().ause, 0.0, "the bad pixel is the least sure");
+        assert_eq!(
+            scored.scores[1].middlebury.clipped, 0,
+            "what lies outside the box is not asked"
+        );
         data.truth = None;
         assert_eq!(score(&answer, &data).unwrap(), RegionScores::default());
+    }
+
+    #[test]
+    fn estimates_are_clipped_to_the_range_unless_it_holds_negative_disparities() {
+        let image = Image::Grey8(Plane::filled(2, 1, 0));
+        for (min, clipped, bad) in [(0, 2, 1.0), (-8, 0, 0.5)] {
+            let range = DisparityRange::new(min, 9).unwrap();
+            let mut data = CaseData::new(image.clone(), image.clone(), range);
+            data.truth = Some(Plane::new(2, 1, vec![-6.0, 5.0]).unwrap());
+            let disparity = Plane::new(2, 1, vec![-6.0, 99.0]).unwrap();
+            let answer = Answer { disparity, reasons: None, confidence: None };
+            let scored = score(&answer, &data).unwrap();
+            let middlebury = &scored.scores[0].middlebury;
+            assert_eq!((middlebury.clipped, middlebury.bad[2].totbad), (clipped, bad), "{min}");
+        }
     }
 }

@@ -65,16 +65,33 @@ fn between(page: &str, text: &str) -> Option<String> {
     Some(format!("{before}{BEGIN}\n{text}{END}{after}"))
 }
 
-/// The command line that is running.
+/// The command line that is running, as a shell would take it.
 fn made_by() -> String {
     let words: Vec<String> =
-        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        std::env::args_os().skip(1).map(|w| quoted(&w.to_string_lossy())).collect();
     format!("made by `hazcam {}`", words.join(" "))
+}
+
+/// In quotes where a shell would read more than a word.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shell_takes_the_command_as_it_was() {
+        assert_eq!(
+            ["bench", "course/*", "it's", ""].map(quoted),
+            ["bench", "'course/*'", "'it'\\''s'", "''"]
+        );
+    }
 
     #[test]
     fn only_what_stands_between_the_markers_is_replaced() {

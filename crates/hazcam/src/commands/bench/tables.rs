@@ -71,7 +71,11 @@ impl Tables<'_> {
                 notes(self.notes(vec![
                     "per cent of errors > 2 px and holes (Middlebury's bad 2), over all pixels of \
                      the image, and noc: over those that both cameras see"
-                        .into()
+                        .into(),
+                    "every scene is `plain` (cards with fine texture, 450 x 375, disparities 0 to \
+                     64, noise 1) save for what its name says; lengths in px, noise in grey levels, \
+                     everything else as a factor or exponent"
+                        .into(),
                 ]))
             ),
         }
