@@ -1,10 +1,13 @@
 //! Data sets, engines, runs and records: everything that compares matchers.
 
+pub mod board;
 pub mod dataset;
 pub mod engine;
 pub mod grade;
+mod markup;
 pub mod record;
 pub mod report;
 pub mod run;
 pub mod sandbox;
 pub mod submission;
+pub mod viewer;

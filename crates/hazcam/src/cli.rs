@@ -77,6 +77,7 @@ commands! {
     }
     "Grading" {
         Grade => grade,
+        Board => board,
         #[command(hide = true)] SandboxExec => sandbox_exec,
     }
     "This installation" {

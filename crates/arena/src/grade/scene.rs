@@ -50,37 +50,41 @@ impl Scene {
         let (left, right, bounds) = (data.left, data.right, data.bounds);
         Ok(Self { id: id.to_owned(), left, right, truth, non_occluded, bounds, truth_file })
     }
+
+    /// The same scene, asked for and scored within this box only.
+    fn within(mut self, bounds: Option<&str>) -> Result<Self, String> {
+        let Some(bounds) = bounds else { return Ok(self) };
+        let bounds = match bounds.ends_with(".npy") {
+            true => formats::read_bounding_box(bounds),
+            false => formats::parse_bounding_box(bounds),
+        };
+        self.bounds = bounds.map_err(|error| error.to_string())?;
+        let (columns, rows) = self.truth.size();
+        self.bounds.check_within(columns, rows).map_err(|error| error.to_string())?;
+        Ok(self)
+    }
 }
 
 impl SceneSource {
     /// Loads or renders the scene; files are relative to `folder`.
     pub fn load(&self, id: &str, folder: &Path, render: Render<'_>) -> Result<Scene, String> {
-        match self {
+        match &self.within(folder) {
             Self::Files { left, right, truth, truth_encoding, bounds } => {
                 let encoding = match truth_encoding {
                     Some(name) => name.parse::<Encoding>().map_err(|error| error.to_string())?,
                     None => Encoding::Auto,
                 };
                 let files = Files {
-                    left: folder.join(left),
-                    right: folder.join(right),
-                    truth: Some(TruthFile { path: folder.join(truth), encoding }),
+                    left: left.clone(),
+                    right: right.clone(),
+                    truth: Some(TruthFile { path: truth.clone(), encoding }),
                     ..Files::default()
                 };
-                let mut scene = Scene::load(&Case::new(id, Purpose::Test, files))?;
-                if let Some(bounds) = bounds {
-                    let bounds = match bounds.ends_with(".npy") {
-                        true => formats::read_bounding_box(folder.join(bounds)),
-                        false => formats::parse_bounding_box(bounds),
-                    };
-                    scene.bounds = bounds.map_err(|error| error.to_string())?;
-                    let (columns, rows) = scene.truth.size();
-                    scene.bounds.check_within(columns, rows).map_err(|error| error.to_string())?;
-                }
-                Ok(scene)
+                Scene::load(&Case::new(id, Purpose::Test, files))?.within(bounds.as_deref())
             }
-            Self::Rendered { kind, seed, columns, rows } => {
-                Scene::from_data(id, render(kind, *seed, *columns, *rows)?, None)
+            Self::Rendered { kind, seed, columns, rows, bounds } => {
+                let data = render(kind, *seed, *columns, *rows)?;
+                Scene::from_data(id, data, None)?.within(bounds.as_deref())
             }
         }
     }

@@ -78,7 +78,26 @@ pub enum SceneSource {
         /// Height in pixels; the kind's own if absent.
         #[serde(default)]
         rows: Option<usize>,
+        /// `x0,y0,x1,y1` inclusive; all of the image if absent.
+        #[serde(default, rename = "box")]
+        bounds: Option<String>,
     },
+}
+
+impl SceneSource {
+    /// The same with files below `folder`, unless their paths are absolute.
+    pub fn within(&self, folder: &Path) -> Self {
+        let mut this = self.clone();
+        if let Self::Files { left, right, truth, bounds, .. } = &mut this {
+            for path in [left, right, truth] {
+                *path = folder.join(&*path);
+            }
+            if let Some(bounds) = bounds.as_mut().filter(|bounds| bounds.ends_with(".npy")) {
+                *bounds = folder.join(&*bounds).to_string_lossy().into_owned();
+            }
+        }
+        this
+    }
 }
 
 impl Scheme {

@@ -1,6 +1,7 @@
 //! One file per command, each with `Args` (what is typed, with its help) and `run`.
 
 pub mod bench;
+pub mod board;
 pub mod completions;
 pub mod demo;
 pub mod doctor;

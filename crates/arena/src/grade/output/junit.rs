@@ -3,6 +3,7 @@
 
 use super::super::{Outcome, Report};
 use super::{details, points};
+use crate::markup::escaped;
 
 /// The whole file.
 pub fn write(report: &Report) -> String {
@@ -43,23 +44,6 @@ pub fn write(report: &Report) -> String {
     }
     xml.push_str("  </testsuite>\n</testsuites>\n");
     xml
-}
-
-/// Text that XML can hold: markup escaped, and characters that no XML may contain replaced.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\n' | '\t' => out.push(c),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

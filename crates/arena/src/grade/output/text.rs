@@ -21,11 +21,17 @@ pub fn begins(test: &Test) -> String {
 /// After a test: how it ended, both numbers with their thresholds, points, time and memory; then
 /// what the author can act on.
 pub fn ended(test: &TestResult) -> String {
-    let mut text = format!("  {:<4} {:>7} points", test.outcome, share(test));
+    let counts = test.max_points > 0.0;
+    let points = if counts { format!("{} points", share(test)) } else { "no points".into() };
+    let mut text = format!("  {:<4} {points:>14}", test.outcome);
     if let Some(scores) = &test.scores {
+        let limit = |value: f64| if counts { format!(" (at most {value})") } else { String::new() };
         text.push_str(&format!(
-            "   E_RMS {:>6.2} px (at most {})   p_bad {:.4} (at most {})",
-            scores.e_rms, test.max_e_rms, scores.p_bad, test.max_p_bad
+            "   E_RMS {:>6.2} px{}   p_bad {:.4}{}",
+            scores.e_rms,
+            limit(test.max_e_rms),
+            scores.p_bad,
+            limit(test.max_p_bad)
         ));
     }
     text.push('\n');
@@ -34,7 +40,7 @@ pub fn ended(test: &TestResult) -> String {
     }
     if let Some(message) = &test.message {
         text.push_str(&indented(message));
-    } else if let Some(shortfall) = test.shortfall() {
+    } else if let Some(shortfall) = test.shortfall().filter(|_| counts) {
         text.push_str(&indented(&format!("no points: {shortfall}")));
     }
     for remark in &test.remarks {
@@ -136,6 +142,18 @@ mod tests {
              ZeroDivisionError: division by zero\n"
         );
         assert_eq!(summary(&report), "\nSecret ID: Jaff Bozos\n7 of 21 points\n");
+    }
+
+    #[test]
+    fn a_test_without_points_has_no_thresholds() {
+        let mut test = super::super::tests::report().tests.remove(1);
+        test.max_points = 0.0;
+        let text = ended(&test);
+        assert!(
+            text.starts_with("  OK        no points   E_RMS   9.50 px   p_bad 0.0833\n"),
+            "{text}"
+        );
+        assert!(!text.contains("above"), "{text}");
     }
 
     #[test]

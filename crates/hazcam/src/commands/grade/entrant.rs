@@ -1,6 +1,6 @@
 //! Who is graded: a submission, or an engine for each part.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use arena::engine::Engines;
@@ -11,13 +11,13 @@ use super::grading::Workshop;
 
 /// Who is graded.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("entrant").args(["submission", "matcher"]).required(true))]
 pub struct EntrantArguments {
     /// A folder or a tar archive (.tar, .tar.gz) with the three files of the course
-    #[arg(required_unless_present_any = ["matcher", "print_scheme"])]
     submission: Option<PathBuf>,
 
     /// Engines instead: one for part 1 and one for part 2, such as fast:best, or one for both
-    #[arg(short, long, value_name = "FAST:BEST", conflicts_with = "submission")]
+    #[arg(short, long, value_name = "FAST:BEST")]
     matcher: Option<String>,
 
     /// A folder with engines of your own, one TOML file each
@@ -26,6 +26,25 @@ pub struct EntrantArguments {
 }
 
 impl EntrantArguments {
+    /// The engines' names, if it is engines.
+    pub fn matcher(&self) -> Option<String> {
+        self.matcher.clone()
+    }
+
+    /// The submission's name without folder and endings, or the engines' names.
+    pub fn owner(&self) -> String {
+        let submission = self.submission.as_deref().and_then(Path::file_name);
+        match (submission, &self.matcher) {
+            (Some(name), _) => {
+                let name = name.to_string_lossy();
+                let ending = [".tar.gz", ".tgz", ".tar"].iter().find(|end| name.ends_with(*end));
+                name.strip_suffix(ending.unwrap_or(&"")).unwrap_or(&name).to_owned()
+            }
+            (None, Some(matcher)) => matcher.clone(),
+            (None, None) => String::new(),
+        }
+    }
+
     /// The entrant with its name for the report. A submission that cannot be taken is an entrant
     /// without a point, not an error: its results must come out.
     pub fn open(&self, workshop: &Workshop) -> anyhow::Result<(String, Entrant)> {

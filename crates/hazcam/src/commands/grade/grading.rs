@@ -6,11 +6,12 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use arena::dataset::{self, Case};
 use arena::engine::Programs;
-use arena::grade::{Allowance, Confinement, Grader, Scenes, Scheme, load_scenes};
+use arena::grade::{Allowance, Confinement, Grader, Scene, Scenes, Scheme, Test, load_scenes};
 use arena::sandbox;
 use arena::submission::{Python, Runner};
 
 use super::scenes;
+use crate::ui::Ui;
 
 /// By what and how entrants are graded.
 #[derive(clap::Args)]
@@ -126,6 +127,15 @@ impl Workshop {
         self.folder.path().join("submission")
     }
 
+    /// The scheme's tests by name with their scenes, those that could be loaded.
+    pub fn scenes_of_tests(&self) -> Vec<(String, &Scene)> {
+        let loaded = |test: &Test| {
+            let scene = self.scenes.get(&test.scene)?.as_ref().ok()?;
+            Some((test.name.clone(), scene))
+        };
+        self.scheme.tests.iter().filter_map(loaded).collect()
+    }
+
     /// The grader.
     pub fn grader(&self) -> anyhow::Result<Grader<'_>> {
         let runner = match &self.python {
@@ -144,9 +154,11 @@ impl Workshop {
 }
 
 impl GradingArguments {
-    /// Whether entrants run in a sandbox.
-    pub fn is_confined(&self) -> bool {
-        !self.no_sandbox
+    /// Says what it means when entrants run without a sandbox.
+    pub fn warn_if_unconfined(&self, ui: &Ui) {
+        if self.no_sandbox {
+            ui.warn("no sandbox: what is graded can read, change and send away all your files");
+        }
     }
 
     fn read_scheme(&self) -> anyhow::Result<Scheme> {

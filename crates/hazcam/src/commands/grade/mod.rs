@@ -65,7 +65,7 @@ pub struct Args {
     fail_under: Option<f64>,
 
     /// Print the course's tests, thresholds and points as TOML, to start your own from, and end
-    #[arg(long, help_heading = "Output")]
+    #[arg(long, help_heading = "Output", exclusive = true)]
     print_scheme: bool,
 }
 
@@ -79,9 +79,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let workshop = Workshop::open(&args.grading)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     let grader = workshop.grader()?;
-    if !args.grading.is_confined() {
-        ui.warn("no sandbox: what is graded can read, change and send away all your files");
-    }
+    args.grading.warn_if_unconfined(ui);
     let mut shown = match shows_text {
         true => ui.print(&text::header(&grader, &name)),
         false => Ok(()),
@@ -112,7 +110,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     })
 }
 
-fn show(event: &Event<'_>, ui: &Ui) -> anyhow::Result<()> {
+/// Prints one event of a grading.
+pub fn show(event: &Event<'_>, ui: &Ui) -> anyhow::Result<()> {
     match event {
         Event::Inspected([]) => Ok(()),
         Event::Inspected(findings) => ui.print(&format!("{}\n", text::findings(findings))),

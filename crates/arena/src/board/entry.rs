@@ -1,0 +1,37 @@
+//! What a board keeps of one entrant.
+
+use serde::{Deserialize, Serialize};
+
+use crate::grade::{Report, TestResult};
+
+/// What a board keeps of one entrant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// The name that everybody sees: 4 to 32 printable characters.
+    pub secret_id: String,
+    /// Whether it is shown for comparison only.
+    pub baseline: bool,
+    /// When it was added, in UTC (`2026-01-31T12:00:00Z`). Set by the board.
+    #[serde(default)]
+    pub added: String,
+    /// The scheme's tests.
+    pub report: Report,
+    /// The test on the hold-out.
+    pub holdout: TestResult,
+    /// Where it ran: processor, cores, architecture, system.
+    pub machine: String,
+}
+
+impl Entry {
+    /// CPU time of all tests and the hold-out, where it is known of all.
+    pub fn cpu_seconds(&self) -> Option<f64> {
+        Some(self.report.cpu_seconds()? + self.holdout.usage.cpu_seconds?)
+    }
+}
+
+/// Whether this can name an owner: 1 to 200 characters that can be seen.
+pub fn is_owner(text: &str) -> bool {
+    (1..=200).contains(&text.chars().count())
+        && !text.chars().any(char::is_control)
+        && text.trim() == text
+}

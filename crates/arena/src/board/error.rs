@@ -1,0 +1,60 @@
+//! Why a board cannot be read or changed.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a board cannot be read or changed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BoardError {
+    /// There is no such file.
+    #[error("there is no board {}: `hazcam board add` begins one", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is something else.
+    #[error("{} is no leaderboard: {problem}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        problem: String,
+    },
+    /// The database fails.
+    #[error("the board {} cannot be used: {source}", path.display())]
+    Database {
+        /// The file.
+        path: PathBuf,
+        /// What SQLite says.
+        source: rusqlite::Error,
+    },
+    /// The file cannot be created.
+    #[error("cannot create the board {}: {source}", path.display())]
+    Create {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Somebody else has this name.
+    #[error("the secret ID `{0}` is taken: choose another, or rename or remove that entry")]
+    Taken(String),
+    /// Nobody has this name.
+    #[error("nobody on the board is called `{name}`; there are {known}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// A name that cannot be one.
+    #[error("`{0}` cannot be a secret ID: it must have 4 to 32 printable characters")]
+    Name(String),
+    /// The board ranks on another pair.
+    #[error("{0}")]
+    OtherHoldout(String),
+    /// The hold-out cannot be used.
+    #[error("the hold-out {0}")]
+    Holdout(String),
+}

@@ -1,0 +1,38 @@
+//! A leaderboard: entrants ranked by a pair of images that none of them has.
+//!
+//! A [`Board`] is one SQLite file. It holds the [`Holdout`] by which it ranks, fixed when the board
+//! is begun, and for each entrant the latest [`Entry`]: the report of all tests, the result on the
+//! hold-out, versions and machine, and pictures.
+//!
+//! **Rank.** E_RMS and p_bad weigh equally: each is divided by the hold-out's threshold, and the
+//! mean of the two is the *holdout score*,
+//! ```text
+//! score = (E_RMS / max_e_rms + p_bad / max_p_bad) / 2
+//! ```
+//! so 1 is just as good as Part 2 of the assignment asks for, and lower is better. Ties go to less
+//! CPU time on the hold-out, then to the earlier entry. Who has no answer there is listed last and
+//! has no place.
+//!
+//! **Bonus.** The first three get 5, 3 and 2 points on top of those of the tests: 55 at most.
+//! Baselines are shown where they would stand, and take neither a place nor a bonus.
+//!
+//! **Names.** Everybody is known by a secret ID. An owner (a student's number, say; shown nowhere)
+//! has one entry: a later one takes its place, whatever its ID. An ID that somebody else has is
+//! refused.
+
+mod entry;
+mod error;
+mod holdout;
+mod listing;
+mod picture;
+mod schema;
+mod standing;
+mod store;
+
+pub use entry::{Entry, is_owner};
+pub use error::BoardError;
+pub use holdout::Holdout;
+pub use listing::table;
+pub use picture::Picture;
+pub use standing::{BONUS, Standing, holdout_score, standings};
+pub use store::{Added, Board, SceneTruth};

@@ -1,0 +1,145 @@
+//! Who stands where, and what it is worth.
+
+use std::cmp::Ordering;
+
+use serde::Serialize;
+
+use super::entry::Entry;
+use crate::grade::{Test, TestResult};
+
+/// Points for the first three.
+pub const BONUS: [f64; 3] = [5.0, 3.0, 2.0];
+
+/// An entry with its place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Standing {
+    /// 1 is first; `None` for a baseline, and without an answer on the hold-out.
+    pub place: Option<usize>,
+    /// The holdout score, lower is better; `None` without an answer.
+    pub score: Option<f64>,
+    /// Points for the place.
+    pub bonus: f64,
+    /// Points of the tests and the bonus.
+    pub total: f64,
+    /// Who stands here.
+    pub entry: Entry,
+}
+
+/// `(E_RMS / max_e_rms + p_bad / max_p_bad) / 2`, the thresholds being those of `test`; `None`
+/// without an answer.
+pub fn holdout_score(result: &TestResult, test: &Test) -> Option<f64> {
+    let scores = result.scores.as_ref()?;
+    Some((scores.e_rms / test.max_e_rms + scores.p_bad / test.max_p_bad) / 2.0)
+}
+
+/// Everybody, best first, judged by the thresholds of the hold-out's `test`.
+pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
+    let mut standings: Vec<Standing> = entries
+        .into_iter()
+        .map(|entry| {
+            let score = holdout_score(&entry.holdout, test);
+            Standing { place: None, score, bonus: 0.0, total: entry.report.points, entry }
+        })
+        .collect();
+    standings.sort_by(order);
+    let competing = standings.iter_mut().filter(|s| s.score.is_some() && !s.entry.baseline);
+    for (before, standing) in competing.enumerate() {
+        standing.place = Some(before + 1);
+        standing.bonus = BONUS.get(before).copied().unwrap_or(0.0);
+        standing.total += standing.bonus;
+    }
+    standings
+}
+
+/// Better before worse, quicker before slower, earlier before later. Without an answer on the
+/// hold-out the points of the tests decide.
+fn order(a: &Standing, b: &Standing) -> Ordering {
+    let last = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
+    let cpu = |standing: &Standing| last(standing.entry.holdout.usage.cpu_seconds);
+    last(a.score)
+        .total_cmp(&last(b.score))
+        .then_with(|| match a.score {
+            Some(_) => cpu(a).total_cmp(&cpu(b)),
+            None => b.entry.report.points.total_cmp(&a.entry.report.points),
+        })
+        .then_with(|| a.entry.added.cmp(&b.entry.added))
+        .then_with(|| a.entry.secret_id.cmp(&b.entry.secret_id))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::board::Holdout;
+    use crate::grade::Outcome;
+    use crate::grade::output::tests::report;
+
+    /// An entry with these numbers on the hold-out; none without an answer.
+    pub(crate) fn entry(id: &str, e_rms: Option<f64>, p_bad: f64, cpu: f64) -> Entry {
+        let report = report();
+        let mut holdout = report.tests[0].clone();
+        holdout.usage.cpu_seconds = Some(cpu);
+        match (e_rms, &mut holdout.scores) {
+            (Some(e_rms), Some(scores)) => (scores.e_rms, scores.p_bad) = (e_rms, p_bad),
+            _ => (holdout.scores, holdout.outcome) = (None, Outcome::To),
+        }
+        Entry {
+            secret_id: id.into(),
+            baseline: false,
+            added: "2026-01-31T12:00:00Z".into(),
+            report,
+            holdout,
+            machine: "a machine".into(),
+        }
+    }
+
+    fn ranked(entries: Vec<Entry>) -> Vec<(String, Option<usize>, f64)> {
+        let test = Holdout::secret().unwrap().test;
+        let standings = standings(entries, &test);
+        standings.into_iter().map(|s| (s.entry.secret_id, s.place, s.bonus)).collect()
+    }
+
+    #[test]
+    fn both_numbers_weigh_equally() {
+        let test = Holdout::secret().unwrap().test;
+        // At both thresholds, 5 px and 0.11, the score is 1.
+        let score =
+            |e_rms, p_bad| holdout_score(&entry("x", Some(e_rms), p_bad, 1.0).holdout, &test);
+        assert_eq!(score(5.0, 0.11), Some(1.0));
+        assert_eq!(score(2.5, 0.055), Some(0.5));
+        assert_eq!(score(10.0, 0.0), Some(1.0));
+        assert_eq!(holdout_score(&entry("x", None, 0.0, 1.0).holdout, &test), None);
+    }
+
+    #[test]
+    fn the_first_three_get_a_bonus_and_baselines_do_not() {
+        let mut baseline = entry("baseline", Some(0.5), 0.01, 0.1);
+        baseline.baseline = true;
+        let entries = vec![
+            entry("fourth", Some(4.0), 0.08, 1.0),
+            entry("none", None, 0.0, 1.0),
+            entry("second", Some(2.0), 0.04, 1.0),
+            baseline,
+            entry("first", Some(1.0), 0.02, 9.0),
+            entry("third", Some(3.0), 0.06, 1.0),
+        ];
+        let expected = [
+            ("baseline", None, 0.0),
+            ("first", Some(1), 5.0),
+            ("second", Some(2), 3.0),
+            ("third", Some(3), 2.0),
+            ("fourth", Some(4), 0.0),
+            ("none", None, 0.0),
+        ];
+        assert_eq!(ranked(entries), expected.map(|(id, p, b)| (id.to_owned(), p, b)));
+    }
+
+    #[test]
+    fn ties_go_to_less_cpu_time_then_to_the_earlier_entry() {
+        let mut later = entry("later", Some(1.0), 0.02, 1.0);
+        later.added = "2026-02-01T12:00:00Z".into();
+        let entries =
+            vec![entry("slow", Some(1.0), 0.02, 2.0), later, entry("quick", Some(1.0), 0.02, 1.0)];
+        let order: Vec<String> = ranked(entries).into_iter().map(|each| each.0).collect();
+        assert_eq!(order, ["quick", "later", "slow"]);
+    }
+}

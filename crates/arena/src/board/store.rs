@@ -1,0 +1,332 @@
+//! The board's file.
+//!
+//! Every change is one transaction of SQLite, with its journal synchronised to the disk before
+//! anything is overwritten: a process that is killed at any moment leaves the board as it was
+//! before or as it is after, and whoever opens it next needs to do nothing. Writers wait for each
+//! other.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rusqlite::{
+    Connection, ErrorCode, OpenFlags, OptionalExtension, Transaction, TransactionBehavior, params,
+};
+
+use super::entry::Entry;
+use super::error::BoardError;
+use super::holdout::Holdout;
+use super::picture::{self, Picture};
+use super::schema::{self, Kind, VERSION};
+use crate::grade::Scene;
+use crate::submission::is_secret_id;
+
+/// How long a writer waits for others.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A leaderboard, open.
+#[derive(Debug)]
+pub struct Board {
+    path: PathBuf,
+    connection: Connection,
+}
+
+/// What became of an entry.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Added {
+    /// Its owner had none before.
+    New,
+    /// It took the place of its owner's entry of this name.
+    Replaced(String),
+}
+
+/// The true disparities of a test's scene, as PNG.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneTruth {
+    /// The test's name.
+    pub test: String,
+    /// In the colours of [`Picture::disparity`].
+    pub truth: Vec<u8>,
+}
+
+impl Board {
+    /// Opens the board at `path`.
+    pub fn open(path: &Path) -> Result<Self, BoardError> {
+        if !path.exists() {
+            return Err(BoardError::Missing { path: path.to_owned() });
+        }
+        let mut board = Self::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        board.check(|_| Err(rusqlite::Error::QueryReturnedNoRows))?;
+        Ok(board)
+    }
+
+    /// Opens the board at `path`, and begins it with this hold-out if there is none. Of several
+    /// that begin a board at once, one does and the others open it.
+    pub fn open_or_begin(
+        path: &Path,
+        holdout: &Holdout,
+        fingerprint: &str,
+    ) -> Result<Self, BoardError> {
+        create_private(path)
+            .map_err(|source| BoardError::Create { path: path.to_owned(), source })?;
+        let mut board = Self::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        let text = serde_json::to_string(holdout).expect("a hold-out is plain data");
+        board.check(|connection| {
+            schema::create(connection)?;
+            connection.execute(
+                "INSERT INTO board (one, holdout, fingerprint) VALUES (1, ?, ?)",
+                params![text, fingerprint],
+            )?;
+            Ok(())
+        })?;
+        Ok(board)
+    }
+
+    fn connect(path: &Path, flags: OpenFlags) -> Result<Self, BoardError> {
+        let failed = |source| failure(path, source);
+        let connection = Connection::open_with_flags(path, flags).map_err(failed)?;
+        connection.busy_timeout(PATIENCE).map_err(failed)?;
+        connection.pragma_update(None, "foreign_keys", true).map_err(failed)?;
+        connection.pragma_update(None, "synchronous", "FULL").map_err(failed)?;
+        Ok(Self { path: path.to_owned(), connection })
+    }
+
+    /// Errors unless the file is a board of this version; `begin` fills an empty one.
+    fn check(
+        &mut self,
+        begin: impl FnOnce(&Connection) -> rusqlite::Result<()>,
+    ) -> Result<(), BoardError> {
+        let path = self.path.clone();
+        let foreign =
+            |problem: &str| BoardError::Foreign { path: path.clone(), problem: problem.to_owned() };
+        let failed = |source| failure(&path, source);
+        let kind = schema::kind(&self.connection).map_err(failed)?;
+        if kind == Kind::Empty {
+            let transaction = self
+                .connection
+                .transaction_with_behavior(TransactionBehavior::Immediate)
+                .map_err(failed)?;
+            // Somebody else may have begun it in the meantime.
+            if schema::kind(&transaction).map_err(failed)? == Kind::Empty {
+                match begin(&transaction) {
+                    Err(rusqlite::Error::QueryReturnedNoRows) => {
+                        return Err(foreign("it is empty"));
+                    }
+                    done => done.map_err(failed)?,
+                }
+            }
+            transaction.commit().map_err(failed)?;
+        }
+        match schema::kind(&self.connection).map_err(failed)? {
+            Kind::Board(VERSION) => Ok(()),
+            Kind::Board(version) => Err(foreign(&format!(
+                "its format is number {version}, and this hazcam knows number {VERSION}"
+            ))),
+            Kind::Empty | Kind::Foreign => Err(foreign("it is a database of something else")),
+        }
+    }
+
+    /// Where its file lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// By what it ranks, and the fingerprint of that.
+    pub fn holdout(&self) -> Result<(Holdout, String), BoardError> {
+        let (text, fingerprint): (String, String) = self
+            .connection
+            .query_row("SELECT holdout, fingerprint FROM board", [], |row| {
+                Ok((row.get(0)?, row.get(1)?))
+            })
+            .map_err(|source| self.failed(source))?;
+        Ok((self.parse(&text)?, fingerprint))
+    }
+
+    /// Puts an entry on the board, in the place of its owner's earlier one if there is one.
+    ///
+    /// Errors when the secret ID is none or somebody else's; then nothing is changed.
+    pub fn add(
+        &mut self,
+        owner: &str,
+        entry: &Entry,
+        pictures: &[Picture],
+        scenes: &[(String, &Scene)],
+    ) -> Result<Added, BoardError> {
+        let id = &entry.secret_id;
+        if !is_secret_id(id) {
+            return Err(BoardError::Name(id.clone()));
+        }
+        let folded = id.to_lowercase();
+        let path = self.path.clone();
+        let failed = |source| failure(&path, source);
+        let transaction = self
+            .connection
+            .transaction_with_behavior(TransactionBehavior::Immediate)
+            .map_err(failed)?;
+        let holder: Option<String> = transaction
+            .query_row("SELECT owner FROM entry WHERE folded = ?", [&folded], |row| row.get(0))
+            .optional()
+            .map_err(failed)?;
+        if holder.is_some_and(|holder| holder != owner) {
+            return Err(BoardError::Taken(id.clone()));
+        }
+        let before: Option<String> = transaction
+            .query_row("SELECT secret_id FROM entry WHERE owner = ?", [owner], |row| row.get(0))
+            .optional()
+            .map_err(failed)?;
+        replace(&transaction, owner, entry.clone(), pictures, scenes).map_err(failed)?;
+        transaction.commit().map_err(failed)?;
+        Ok(before.map_or(Added::New, Added::Replaced))
+    }
+
+    /// Everybody, earliest first.
+    pub fn entries(&self) -> Result<Vec<Entry>, BoardError> {
+        let failed = |source| self.failed(source);
+        let mut statement = self
+            .connection
+            .prepare("SELECT secret_id, content FROM entry ORDER BY added, id")
+            .map_err(failed)?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(failed)?
+            .collect::<rusqlite::Result<Vec<(String, String)>>>()
+            .map_err(failed)?;
+        rows.into_iter()
+            .map(|(secret_id, content)| Ok(Entry { secret_id, ..self.parse(&content)? }))
+            .collect()
+    }
+
+    /// The pictures of somebody's answers.
+    pub fn pictures(&self, secret_id: &str) -> Result<Vec<Picture>, BoardError> {
+        let failed = |source| self.failed(source);
+        let mut statement = self
+            .connection
+            .prepare(
+                "SELECT test, disparity, error FROM picture JOIN entry ON entry.id = picture.entry \
+                 WHERE entry.folded = ?",
+            )
+            .map_err(failed)?;
+        let pictures = statement
+            .query_map([secret_id.to_lowercase()], |row| {
+                Ok(Picture { test: row.get(0)?, disparity: row.get(1)?, error: row.get(2)? })
+            })
+            .map_err(failed)?
+            .collect::<rusqlite::Result<_>>();
+        pictures.map_err(failed)
+    }
+
+    /// The true disparities of the tests' scenes.
+    pub fn truths(&self) -> Result<Vec<SceneTruth>, BoardError> {
+        let failed = |source| self.failed(source);
+        let mut statement =
+            self.connection.prepare("SELECT test, truth FROM scene").map_err(failed)?;
+        let truths = statement
+            .query_map([], |row| Ok(SceneTruth { test: row.get(0)?, truth: row.get(1)? }))
+            .map_err(failed)?
+            .collect::<rusqlite::Result<_>>();
+        truths.map_err(failed)
+    }
+
+    /// Gives somebody another name.
+    pub fn rename(&mut self, from: &str, to: &str) -> Result<(), BoardError> {
+        if !is_secret_id(to) {
+            return Err(BoardError::Name(to.to_owned()));
+        }
+        let changed = self.connection.execute(
+            "UPDATE entry SET secret_id = ?, folded = ? WHERE folded = ?",
+            params![to, to.to_lowercase(), from.to_lowercase()],
+        );
+        match changed {
+            Ok(0) => Err(self.unknown(from)?),
+            Ok(_) => Ok(()),
+            Err(error) if error.sqlite_error_code() == Some(ErrorCode::ConstraintViolation) => {
+                Err(BoardError::Taken(to.to_owned()))
+            }
+            Err(error) => Err(self.failed(error)),
+        }
+    }
+
+    /// Takes somebody off the board.
+    pub fn remove(&mut self, secret_id: &str) -> Result<(), BoardError> {
+        let removed = self
+            .connection
+            .execute("DELETE FROM entry WHERE folded = ?", [secret_id.to_lowercase()])
+            .map_err(|source| self.failed(source))?;
+        match removed {
+            0 => Err(self.unknown(secret_id)?),
+            _ => Ok(()),
+        }
+    }
+
+    fn unknown(&self, name: &str) -> Result<BoardError, BoardError> {
+        let names: Vec<String> = self.entries()?.into_iter().map(|each| each.secret_id).collect();
+        let known = if names.is_empty() { "no entries".into() } else { names.join(", ") };
+        Ok(BoardError::Unknown { name: name.to_owned(), known })
+    }
+
+    fn failed(&self, source: rusqlite::Error) -> BoardError {
+        failure(&self.path, source)
+    }
+
+    fn parse<T: serde::de::DeserializeOwned>(&self, text: &str) -> Result<T, BoardError> {
+        serde_json::from_str(text).map_err(|error| BoardError::Foreign {
+            path: self.path.clone(),
+            problem: format!("an entry in it cannot be understood ({error})"),
+        })
+    }
+}
+
+/// Writes an entry with all that belongs to it, in the place of its owner's earlier one.
+fn replace(
+    transaction: &Transaction<'_>,
+    owner: &str,
+    mut entry: Entry,
+    pictures: &[Picture],
+    scenes: &[(String, &Scene)],
+) -> rusqlite::Result<()> {
+    entry.added =
+        transaction
+            .query_row("SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')", [], |row| row.get(0))?;
+    let content = serde_json::to_string(&entry).expect("an entry is plain data");
+    let folded = entry.secret_id.to_lowercase();
+    transaction.execute("DELETE FROM entry WHERE owner = ?", [owner])?;
+    transaction.execute(
+        "INSERT INTO entry (owner, secret_id, folded, added, content) VALUES (?, ?, ?, ?, ?)",
+        params![owner, entry.secret_id, folded, entry.added, content],
+    )?;
+    let number = transaction.last_insert_rowid();
+    for Picture { test, disparity, error } in pictures {
+        transaction.execute(
+            "INSERT INTO picture (entry, test, disparity, error) VALUES (?, ?, ?, ?)",
+            params![number, test, disparity, error],
+        )?;
+    }
+    for (test, scene) in scenes {
+        if let Some(truth) = picture::truth(scene) {
+            transaction.execute(
+                "INSERT INTO scene (test, truth) VALUES (?, ?) ON CONFLICT DO NOTHING",
+                params![test, truth],
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// What SQLite says, in the board's words where it has some.
+fn failure(path: &Path, source: rusqlite::Error) -> BoardError {
+    let path = path.to_owned();
+    match source.sqlite_error_code() {
+        Some(ErrorCode::NotADatabase) => {
+            BoardError::Foreign { path, problem: "it is no SQLite database".into() }
+        }
+        _ => BoardError::Database { path, source },
+    }
+}
+
+/// Makes an empty file that nobody else can read, unless there is one: the hold-out is in it.
+fn create_private(path: &Path) -> std::io::Result<()> {
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create(true).truncate(false);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path).map(drop)
+}

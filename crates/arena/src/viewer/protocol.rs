@@ -1,0 +1,86 @@
+//! How everything was measured, in words that stand beside the numbers.
+
+use formats::picture::{HOLE, LOG_ERROR_COLOURS, LOG_ERROR_STEPS};
+
+use super::BoardPage;
+use crate::board::BONUS;
+use crate::grade::{PROTOCOL, Report};
+use crate::markup::escaped;
+
+pub(super) fn section(page: &BoardPage<'_>) -> String {
+    let test = &page.holdout.test;
+    let bonus = BONUS.map(|points| points.to_string()).join(", ");
+    let tests = page.standings.first().map(|each| tests(&each.entry.report)).unwrap_or_default();
+    let reveals = match page.reveals_holdout {
+        true => "",
+        false => " Its pictures are not shown while entries are still taken.",
+    };
+    format!(
+        "<section class=\"protocol\">\n<h2>How it is measured</h2>\n\
+         <h3>Rank</h3>\n<p>Everybody is ranked on a hold-out that entrants do not have: {}.{reveals} \
+         E<sub>RMS</sub> and p<sub>bad</sub> weigh equally:</p>\n\
+         <p class=\"formula\">score = ( E<sub>RMS</sub> / {} px + p<sub>bad</sub> / {} ) / 2</p>\n\
+         <p>A score of 1 is just what Part 2 asks for; lower is better. Ties go to less CPU time \
+         there, then to the earlier entry. The first three get {bonus} points on top of those of \
+         the tests. Baselines, marked b, take neither place nor bonus.</p>\n\
+         <h3>Points</h3>\n<p>{}</p>\n{tests}\
+         <h3>Numbers</h3>\n<p>E<sub>RMS</sub> is the root mean square of the disparity error in \
+         pixels, p<sub>bad</sub> the share of pixels off by more than 2 px, both over the pixels of \
+         the box with known, nonzero truth. CPU times hold for the machine they were taken on, \
+         which each entry names.</p>\n\
+         <h3>Pictures</h3>\n<p>Disparities go from far <span class=\"turbo\"></span> to near, in \
+         the range of the truth; black has no value. Errors have the colours of KITTI, in units of \
+         what its D1 calls wrong, 3 px and 5 % of the truth; half as bright where the right camera \
+         cannot see, black where nobody knows the truth:</p>\n<ul class=\"legend\">{}</ul>\n\
+         <p class=\"hint\">Written by hazcam {}.</p>\n</section>\n",
+        escaped(&page.holdout.describe()),
+        test.max_e_rms,
+        test.max_p_bad,
+        escaped(PROTOCOL),
+        legend(),
+        env!("CARGO_PKG_VERSION"),
+    )
+}
+
+fn tests(report: &Report) -> String {
+    let rows: String = report
+        .tests
+        .iter()
+        .map(|test| {
+            format!(
+                "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+                 <td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
+                escaped(&test.name),
+                test.max_points,
+                test.max_e_rms,
+                test.max_p_bad,
+                test.cpu_limit_seconds
+            )
+        })
+        .collect();
+    format!(
+        "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Test</th>\
+         <th scope=\"col\" class=\"number\">Points</th>\
+         <th scope=\"col\" class=\"number\">E<sub>RMS</sub> at most, px</th>\
+         <th scope=\"col\" class=\"number\">p<sub>bad</sub> at most</th>\
+         <th scope=\"col\" class=\"number\">CPU limit, s</th></tr></thead>\n<tbody>\n{rows}</tbody>\n\
+         </table></div>\n"
+    )
+}
+
+fn legend() -> String {
+    let item = |[r, g, b]: [u8; 3], text: String| {
+        format!("<li><span style=\"background: rgb({r} {g} {b})\"></span>{text}</li>")
+    };
+    let ranges =
+        LOG_ERROR_STEPS.iter().enumerate().map(|(at, from)| match LOG_ERROR_STEPS.get(at + 1) {
+            Some(to) => format!("{from} to {to}"),
+            None => format!("{from} and more"),
+        });
+    LOG_ERROR_COLOURS
+        .into_iter()
+        .zip(ranges)
+        .map(|(colour, range)| item(colour, range))
+        .chain([item(HOLE, "no answer".into())])
+        .collect()
+}

@@ -1,0 +1,168 @@
+//! The board's file: what is added stays, whoever else adds at the same time, and what is no board
+//! is told so.
+
+use std::path::Path;
+
+use arena::board::{Added, Board, BoardError, Entry, Holdout, Picture};
+
+/// An entry of this name, made from what JSON needs to say.
+fn entry(secret_id: &str) -> Entry {
+    let result = serde_json::json!({
+        "name": "Hold-out", "part": "best", "scene": "hold-out", "outcome": "TO",
+        "message": "too slow", "scores": null, "max_e_rms": 5.0, "max_p_bad": 0.11,
+        "cpu_limit_seconds": 600.0, "points": 0.0, "max_points": 0.0,
+        "usage": { "cpu_seconds": 1.5, "wall_seconds": 2.0, "peak_memory_bytes": 1000 },
+        "startup": { "cpu_seconds": 0.1, "wall_seconds": 0.2, "peak_memory_bytes": null },
+        "remarks": [], "output": "",
+    });
+    serde_json::from_value(serde_json::json!({
+        "secret_id": secret_id,
+        "baseline": false,
+        "report": {
+            "hazcam": "0.1.0", "scheme": "Small", "entrant": "handin", "secret_id": secret_id,
+            "findings": [], "tests": [], "points": 7.0, "max_points": 50.0, "protocol": "",
+            "confinement": "sandbox", "python": null,
+            "calibration": { "before_seconds": 0.001, "after_seconds": 0.001 },
+        },
+        "holdout": result,
+        "machine": "a machine",
+    }))
+    .unwrap()
+}
+
+fn begin(path: &Path) -> Board {
+    Board::open_or_begin(path, &Holdout::secret().unwrap(), "print").unwrap()
+}
+
+fn names(board: &Board) -> Vec<String> {
+    board.entries().unwrap().into_iter().map(|entry| entry.secret_id).collect()
+}
+
+#[test]
+fn an_entry_comes_back_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    let mut board = begin(&path);
+    let picture = Picture { test: "Hold-out".into(), disparity: vec![1, 2, 3], error: vec![4, 5] };
+    board.add("her", &entry("Jaff Bozos"), std::slice::from_ref(&picture), &[]).unwrap();
+    drop(board);
+    let board = Board::open(&path).unwrap();
+    let mut found = board.entries().unwrap().remove(0);
+    assert!(found.added.ends_with('Z') && found.added.len() == 20, "{}", found.added);
+    found.added = String::new();
+    assert_eq!(found, entry("Jaff Bozos"));
+    assert_eq!(board.pictures("jaff bozos").unwrap(), [picture]);
+    assert_eq!(board.holdout().unwrap().1, "print");
+}
+
+#[test]
+fn an_owner_has_one_entry_and_a_name_one_owner() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut board = begin(&folder.path().join("board.sqlite"));
+    let mut add = |owner: &str, id: &str| board.add(owner, &entry(id), &[], &[]);
+    assert_eq!(add("her", "first").unwrap(), Added::New);
+    assert_eq!(add("her", "first").unwrap(), Added::Replaced("first".into()));
+    assert_eq!(add("her", "second").unwrap(), Added::Replaced("first".into()));
+    assert_eq!(add("him", "first").unwrap(), Added::New);
+    assert!(matches!(add("him", "SECOND"), Err(BoardError::Taken(id)) if id == "SECOND"));
+    assert!(matches!(add("her", "abc"), Err(BoardError::Name(_))));
+    assert_eq!(names(&board), ["second", "first"]);
+}
+
+#[test]
+fn names_are_changed_and_taken_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut board = begin(&folder.path().join("board.sqlite"));
+    let picture = Picture { test: "t".into(), disparity: vec![1], error: vec![2] };
+    board.add("her", &entry("rude word"), &[picture], &[]).unwrap();
+    board.add("him", &entry("polite"), &[], &[]).unwrap();
+    board.rename("Rude Word", "removed by teacher").unwrap();
+    assert_eq!(names(&board), ["removed by teacher", "polite"]);
+    assert_eq!(board.pictures("removed by teacher").unwrap().len(), 1);
+    assert!(matches!(board.rename("polite", "Removed by teacher"), Err(BoardError::Taken(_))));
+    assert!(matches!(board.rename("polite", "x"), Err(BoardError::Name(_))));
+    board.remove("removed by teacher").unwrap();
+    assert_eq!(names(&board), ["polite"]);
+    let error = board.remove("removed by teacher").unwrap_err().to_string();
+    assert_eq!(error, "nobody on the board is called `removed by teacher`; there are polite");
+    assert!(board.pictures("removed by teacher").unwrap().is_empty());
+}
+
+#[test]
+fn many_at_once_lose_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    std::thread::scope(|scope| {
+        for writer in 0..8 {
+            let path = &path;
+            scope.spawn(move || {
+                for n in 0..10 {
+                    let id = format!("{writer} has {n}");
+                    begin(path).add(&id, &entry(&id), &[], &[]).unwrap();
+                }
+            });
+        }
+    });
+    let board = Board::open(&path).unwrap();
+    let mut found = names(&board);
+    found.sort();
+    let mut expected: Vec<String> =
+        (0..8).flat_map(|w| (0..10).map(move |n| format!("{w} has {n}"))).collect();
+    expected.sort();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn of_several_that_begin_a_board_one_draws_the_holdout() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    let prints: Vec<(Holdout, String)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..6)
+            .map(|n| {
+                let path = &path;
+                scope.spawn(move || {
+                    let holdout = Holdout::secret().unwrap();
+                    let board = Board::open_or_begin(path, &holdout, &n.to_string()).unwrap();
+                    board.holdout().unwrap()
+                })
+            })
+            .collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    assert!(prints.iter().all(|print| *print == prints[0]));
+}
+
+#[test]
+fn what_is_no_board_is_told_so_and_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    let error = Board::open(&path).unwrap_err().to_string();
+    assert!(error.contains("there is no board") && error.contains("board add"), "{error}");
+    std::fs::write(&path, "These are my notes and no database at all.\n".repeat(40)).unwrap();
+    let before = std::fs::read(&path).unwrap();
+    let error = Board::open(&path).unwrap_err().to_string();
+    assert!(error.contains("is no leaderboard: it is no SQLite database"), "{error}");
+    let holdout = Holdout::secret().unwrap();
+    assert!(matches!(
+        Board::open_or_begin(&path, &holdout, "print"),
+        Err(BoardError::Foreign { .. })
+    ));
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    std::fs::write(&path, "").unwrap();
+    assert!(Board::open(&path).unwrap_err().to_string().contains("it is empty"));
+    let nowhere = folder.path().join("no/such/folder/board.sqlite");
+    assert!(matches!(
+        Board::open_or_begin(&nowhere, &holdout, "print"),
+        Err(BoardError::Create { .. })
+    ));
+}
+
+#[cfg(unix)]
+#[test]
+fn nobody_else_can_read_the_secret() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    begin(&path);
+    assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+}

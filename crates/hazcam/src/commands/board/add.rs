@@ -1,0 +1,153 @@
+//! `hazcam board add`: grades an entrant, runs it on the hold-out, enters it.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail};
+use arena::board::{Added, Board, Entry, Holdout, Picture, is_owner, standings};
+use arena::grade::output::text;
+use arena::grade::{Event, Outcome, Scene};
+use arena::record::Machine;
+use arena::submission::is_secret_id;
+
+use crate::commands::grade::entrant::EntrantArguments;
+use crate::commands::grade::grading::{GradingArguments, Workshop};
+use crate::commands::grade::{scenes, show};
+use crate::ui::Ui;
+
+/// Grade an entrant and enter it, in the place of its owner's earlier entry
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    entrant: EntrantArguments,
+
+    #[command(flatten)]
+    grading: GradingArguments,
+
+    /// Whose entry it is, shown nowhere: everybody has one
+    /// [default: the submission's name without its ending, or the engines']
+    #[arg(long, value_name = "NAME", help_heading = "Entry")]
+    owner: Option<String>,
+
+    /// The name on the board, 4 to 32 printable characters
+    /// [default: what secret_id() returns, or the engines' names]
+    #[arg(long, value_name = "NAME", help_heading = "Entry")]
+    secret_id: Option<String>,
+
+    /// Show it for comparison only, without place and bonus
+    #[arg(long, help_heading = "Entry")]
+    baseline: bool,
+
+    /// The hold-out of a board that is begun now: a scheme with one test and its scene, as TOML
+    /// [default: a scene rendered from a secret seed]
+    #[arg(long, value_name = "FILE", help_heading = "Entry")]
+    holdout: Option<PathBuf>,
+}
+
+/// Grades, showing each test as `grade` does, and enters the results.
+pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let owner = args.owner.clone().unwrap_or_else(|| args.entrant.owner());
+    if !is_owner(&owner) {
+        bail!("`{owner}` cannot name an owner: give 1 to 200 printable characters with --owner");
+    }
+    if let Some(id) = args.secret_id.as_ref().filter(|id| !is_secret_id(id)) {
+        bail!("`{id}` cannot be a secret ID: it must have 4 to 32 printable characters");
+    }
+    let workshop = Workshop::open(&args.grading)?;
+    let (mut board, holdout, scene) = open(path, args.holdout.as_deref())?;
+    let (name, entrant) = args.entrant.open(&workshop)?;
+    let grader = workshop.grader()?;
+    args.grading.warn_if_unconfined(ui);
+    ui.print(&text::header(&grader, &name))?;
+    let mut shown = Ok(());
+    let report = grader.grade(&name, &entrant, &mut |event| {
+        if shown.is_ok() {
+            shown = show(&event, ui);
+        }
+    });
+    shown?;
+    ui.print(&text::begins(&holdout.test))?;
+    let result = grader.extra(&entrant, &holdout.test, &scene);
+    show(&Event::Ended(&result), ui)?;
+    ui.print(&text::summary(&report))?;
+    if report.grader_failed() || result.outcome == Outcome::Xx {
+        bail!("not entered, because the grader failed: mend what it says and add again");
+    }
+    let named = args.secret_id.clone().or(report.secret_id.clone()).or(args.entrant.matcher());
+    let secret_id = named.filter(|id| is_secret_id(id)).context(
+        "not entered, because it has no usable secret ID: mend secret_id.py, or give one with \
+         --secret-id",
+    )?;
+    let scenes: Vec<(String, &Scene)> = workshop.scenes_of_tests();
+    let mut pictures: Vec<Picture> = report
+        .tests
+        .iter()
+        .zip(&scenes)
+        .filter_map(|(test, (_, scene))| Picture::of(test, scene))
+        .collect();
+    pictures.extend(Picture::of(&result, &scene));
+    let entry = Entry {
+        secret_id: secret_id.clone(),
+        baseline: args.baseline,
+        added: String::new(),
+        report,
+        holdout: result,
+        machine: describe(&Machine::this(None)),
+    };
+    let scenes = [scenes, vec![(holdout.test.name.clone(), &scene)]].concat();
+    let added = board.add(&owner, &entry, &pictures, &scenes)?;
+    let standings = standings(board.entries()?, &holdout.test);
+    let standing = standings.iter().find(|standing| standing.entry.secret_id == secret_id);
+    let place = match standing.and_then(|standing| standing.place) {
+        Some(place) => format!("place {place} of {}", standings.len()),
+        None if args.baseline => "a baseline".into(),
+        None => "without a place, since it has no answer on the hold-out".into(),
+    };
+    let before = match added {
+        Added::New => String::new(),
+        Added::Replaced(before) => format!(", in the place of {owner}'s earlier entry `{before}`"),
+    };
+    ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The board, begun if there is none, with its hold-out as it was when the board was begun.
+fn open(path: &Path, given: Option<&Path>) -> anyhow::Result<(Board, Holdout, Scene)> {
+    let path = &std::path::absolute(path)?;
+    let begun = path.metadata().is_ok_and(|found| found.len() > 0);
+    let (holdout, known) = match (begun, given) {
+        (true, None) => {
+            let (holdout, fingerprint) = Board::open(path)?.holdout()?;
+            (holdout, Some(fingerprint))
+        }
+        (true, Some(given)) => (Holdout::read(given)?, Some(Board::open(path)?.holdout()?.1)),
+        (false, Some(given)) => (Holdout::read(given)?, None),
+        (false, None) => (Holdout::secret()?, None),
+    };
+    let scene = holdout.load(path, &scenes::render)?;
+    let fingerprint = holdout.fingerprint(&scene);
+    match known {
+        Some(known) if known != fingerprint => bail!(
+            "the board {} ranks on another hold-out{}: entries on different ones cannot be \
+             compared; begin another board",
+            path.display(),
+            if given.is_some() { "" } else { ", or its files were changed since it was begun" },
+        ),
+        Some(_) => Ok((Board::open(path)?, holdout, scene)),
+        None => {
+            let board = Board::open_or_begin(path, &holdout, &fingerprint)?;
+            match board.holdout()? {
+                (_, begun) if begun == fingerprint => Ok((board, holdout, scene)),
+                // Somebody else began it in the meantime.
+                _ => open(path, given),
+            }
+        }
+    }
+}
+
+/// A machine in a line.
+fn describe(machine: &Machine) -> String {
+    let Machine { cpu, cores, architecture, system, .. } = machine;
+    let cpu = cpu.as_deref().unwrap_or("unknown processor");
+    format!("{cpu}, {cores} cores, {architecture}, {system}")
+}
