@@ -4,18 +4,18 @@
 //! clipped at the image's border: all disparities of a pixel are compared over the same left
 //! pixels, so nothing needs to be normalised.
 //!
-//! From one row to the next one row enters the window and one leaves it, from one column to the
-//! next one column of sums: a handful of operations per pixel and disparity for any window
-//! (McDonnell, *Box-Filtering Techniques*, 1981). [`crate::kernels::sad`] does the sums and finds
+//! From one row to the next one row enters the window and one leaves it, so a pixel and disparity
+//! cost a handful of operations, not one for each pixel of the window (McDonnell, *Box-Filtering
+//! Techniques*, 1981). [`crate::kernels::sad`] does the sums and finds
 //! the winners while they are at hand; here the window is led down a band of rows.
 //!
 //! In: grey images. Out: the winners of one row after the other. Rows above the band are summed up
 //! anew, so bands of any height give the same winners.
 
 use crate::cost::SearchSpace;
-use crate::cost::absolute_difference::{FilteredRows, supporting_columns};
+use crate::cost::absolute_difference::FilteredRows;
 use crate::kernels::level::Level;
-use crate::kernels::sad::{RADIUS, Sad, Winners, match_row, slide_down};
+use crate::kernels::sad::{Layout, RADIUS, Sad, Winners, match_row, slide_down};
 use crate::prepare::grey::GreyView;
 
 /// A window that slides down the rows of two images, with its memory.
@@ -38,22 +38,25 @@ impl SlidingWindow {
         mut each: impl FnMut(usize, &Winners),
     ) {
         let Self { rows, sums } = self;
-        let (c0, c1) = supporting_columns(space);
-        rows.begin(space);
-        sums.begin(space, c1 - c0 + 1);
+        let layout = Layout::new(space);
+        rows.begin(space, &layout);
+        sums.begin(space, &layout);
         let top = first.saturating_sub(RADIUS);
         for y in top..(first + RADIUS).min(height) {
-            rows.load(level, images, space, y);
-            slide_down(level, sums, space.lanes, rows.row(y), rows.nothing());
+            rows.load(level, images, space, &layout, y);
+            slide_down(level, sums, space, &layout, rows.row(&layout, y), rows.nothing(&layout));
         }
         for y in first..first + count {
             let below = y + RADIUS;
             if below < height {
-                rows.load(level, images, space, below);
+                rows.load(level, images, space, &layout, below);
             }
-            let entering = if below < height { rows.row(below) } else { rows.nothing() };
-            let leaving = if y > top + RADIUS { rows.row(y - RADIUS - 1) } else { rows.nothing() };
-            match_row(level, sums, space, space.first - c0, entering, leaving);
+            let row = |y: usize, there: bool| {
+                if there { rows.row(&layout, y) } else { rows.nothing(&layout) }
+            };
+            let entering = row(below, below < height);
+            let leaving = row(y.saturating_sub(RADIUS + 1), y > top + RADIUS);
+            match_row(level, sums, space, &layout, entering, leaving);
             each(y - first, &sums.winners);
         }
     }

@@ -39,9 +39,12 @@ at_every_level! {
             }
             let mut block = [0; BLOCK];
             for i in 0..BLOCK {
-                let window: [[u16; SIDE]; SIDE] = std::array::from_fn(|rank| {
-                    std::array::from_fn(|column| sorted[rank][i + column])
-                });
+                let mut window = [[0; SIDE]; SIDE];
+                for rank in 0..SIDE {
+                    for column in 0..SIDE {
+                        window[rank][column] = sorted[rank][i + column];
+                    }
+                }
                 block[i] = median_of_sorted_columns(window);
             }
             medians[start..start + size].copy_from_slice(&block[..size]);

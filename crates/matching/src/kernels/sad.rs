@@ -8,16 +8,19 @@
 //! In: the filtered rows that enter and leave the window. Out: per column the least sum of the
 //! left view, its index, its neighbours, and what confirms it in the right view.
 //!
-//! The row is done in tiles of columns that stay in the first-level cache. In each, four loops
-//! follow each other, with the disparities of one column side by side in memory:
+//! For one disparity after the other, all columns side by side in memory:
 //!
 //! 1. `V`, the sums down the window's columns, is slid by one row. Differences are at most
-//!    [`LARGEST_DIFFERENCE`], so `V` fits a byte: 8 operations for 64 pixel-disparities.
-//! 2. `C` is slid by one column: one column of `V` enters, one leaves.
-//! 3. The right view's least sum is `min_k C(x' + min + k, k)`, along the diagonal. Eight columns
-//!    are folded together before they meet the row's minima, whose places in memory shift by one
-//!    from column to column: done one by one, each load would wait for the store before it.
-//! 4. The left view's winner: the least sum first, then the first place where it stands.
+//!    [`LARGEST_DIFFERENCE`], so `V` fits a byte: 8 operations for 64 columns.
+//! 2. `C` is the sum of nine neighbours of `V`, by way of sums of three.
+//! 3. The left view's least sum and its index, the right view's least sum: column `x` of the left
+//!    is column `x - min - k` of the right, so both are a comparison with a row of minima.
+//!
+//! Everything is an operation on whole rows, nothing depends on the column before, and no vector
+//! is ever folded into one number. (With the disparities of a column side by side, as OpenCV has
+//! them, `C` would be slid along with less work, but finding the least of a vector and its place
+//! costs as much as that saves.) Loads and stores are what it waits for, so four disparities are
+//! compared together.
 
 use std::ops::Range;
 
@@ -31,23 +34,55 @@ pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / (2 * RADIUS as u8 + 1);
 /// Sums from here on stand for "cannot be tried": no sum over the window comes near.
 pub(crate) const OUT: u16 = 0x8000;
 
-/// Disparities are handled in groups of this many.
-const GROUP: usize = 32;
-/// Columns of a tile.
-const TILE: usize = 32;
-/// Columns that are folded before they meet the right view's minima.
-const FOLD: usize = 8;
-/// Room between the costs of two columns, so that a fold may look past both ends of a column.
-const PAD: usize = FOLD;
-/// Costs of the tile before that are still needed: the last column's winner looks one column on.
-const CARRIED: usize = 2;
+// Sums along a row are built by three times three.
+const _: () = assert!(2 * RADIUS + 1 == 9);
 
-/// A filtered row of both images: the left columns that support the answered ones, and the right
-/// row as [`reverse_row`](crate::cost::absolute_difference::reverse_row) writes it.
+/// Columns are handled in groups of this many. (Loops over shorter arrays are unrolled before the
+/// compiler looks for vectors in them, and it does not find them again.)
+const GROUP: usize = 64;
+
+/// Disparities that are compared together.
+const STEP: usize = 4;
+
+/// How rows lie in memory: place `p` belongs to left column `first - RADIUS + p`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layout {
+    /// Answered columns, filled up to whole groups.
+    answered: usize,
+    /// Disparities, filled up to whole steps.
+    count: usize,
+    /// Places of a row of bytes: all columns that support an answered one, in whole groups.
+    pub left: usize,
+    /// Samples of a right row.
+    pub right: usize,
+    /// Places of columns inside the image, as far as windows reach.
+    inside: (usize, usize),
+}
+
+impl Layout {
+    /// The layout of a search space.
+    pub fn new(space: &SearchSpace) -> Self {
+        let answered = space.columns().next_multiple_of(GROUP);
+        let count = space.count.next_multiple_of(STEP);
+        let left = (answered + 2 * RADIUS).next_multiple_of(GROUP);
+        let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
+        let inside = (RADIUS.saturating_sub(space.first), end);
+        Self { answered, count, left, right: left + count - 1, inside }
+    }
+
+    /// Samples between the left place `p` and the right one at index `k`, in a right row:
+    /// `p + shift(k)`.
+    pub fn shift(&self, k: usize) -> usize {
+        self.count - 1 - k
+    }
+}
+
+/// A filtered row of both images. Place `p` of `left` and place `p + shift(k)` of `right` are
+/// compared at index `k`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RowPair<'a> {
     pub left: &'a [u8],
-    pub reversed: &'a [u8],
+    pub right: &'a [u8],
 }
 
 /// What won in one row: per answered column of the left image, and per column of the right one.
@@ -63,29 +98,23 @@ pub(crate) struct Winners {
     /// The least of the winner's sum and those of `(x - 1, k - 1)` and `(x + 1, k + 1)`, which
     /// match the same right pixel.
     pub confirming: Vec<u16>,
-    /// The least sum of right column `last - min - i` at place `i`.
+    /// Place `x + shift(k)` holds the least sum of the right column that answered column `x`
+    /// matches at index `k`.
     pub right: Vec<u16>,
 }
 
 /// The memory of the kernel: sums of a band of rows.
 #[derive(Debug, Default)]
 pub(crate) struct Sad {
-    /// `V`: per supporting column all disparities, with [`BEFORE`] and [`RADIUS`] columns of zeros
-    /// before and after, for windows that leave the image.
+    /// `V`: per disparity a row.
     columns: Vec<u8>,
-    /// `C` of a tile: per column all disparities and `PAD` times [`OUT`]. Disparities that cannot
-    /// be tried are [`OUT`] as well.
+    /// Sums of three neighbours in `V` of one disparity.
+    threes: Vec<u16>,
+    /// `C`: per disparity a row, and one more before the first and after the last. Where a
+    /// disparity cannot be tried, and in the room before and between rows, stands [`OUT`].
     costs: Vec<u16>,
-    /// `C` of the last column of the tile before: from there it slides on.
-    sums: Vec<u16>,
-    /// Per column of a tile, its groups of costs folded into one.
-    minima: Vec<[u16; GROUP]>,
     pub winners: Winners,
 }
-
-/// Columns of zeros before the first supporting one: the one that leaves the first window is the
-/// furthest.
-const BEFORE: usize = RADIUS + 1;
 
 fn refill<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
     buffer.clear();
@@ -94,13 +123,10 @@ fn refill<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
 
 impl Sad {
     /// Begins a band of rows with an empty window.
-    pub fn begin(&mut self, space: &SearchSpace, supporting: usize) {
-        let lanes = space.lanes;
-        assert!(lanes > 0 && lanes.is_multiple_of(GROUP), "{lanes} lanes are not whole groups");
-        refill(&mut self.columns, (BEFORE + supporting + RADIUS) * lanes, 0);
-        refill(&mut self.costs, PAD + (CARRIED + TILE + 1) * (lanes + PAD), OUT);
-        refill(&mut self.sums, lanes, 0);
-        refill(&mut self.minima, TILE + 1, [OUT; GROUP]);
+    pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
+        refill(&mut self.columns, space.count * layout.left + 2 * GROUP, 0);
+        refill(&mut self.threes, layout.left + 2 * GROUP, 0);
+        refill(&mut self.costs, GROUP + (layout.count + 2) * (layout.answered + GROUP), OUT);
         let winners = &mut self.winners;
         for buffer in [
             &mut winners.index,
@@ -109,257 +135,195 @@ impl Sad {
             &mut winners.after,
             &mut winners.confirming,
         ] {
-            refill(buffer, space.columns(), 0);
+            refill(buffer, layout.answered + GROUP, 0);
         }
-        refill(&mut winners.right, space.columns() + lanes + PAD, OUT);
+        refill(&mut winners.right, layout.answered + GROUP + layout.count - 1, OUT);
     }
 }
 
 at_every_level! {
     /// Slides the window down by one row.
-    pub(crate) fn slide_down(sad: &mut Sad, lanes: usize, entering: RowPair<'_>, leaving: RowPair<'_>) {
-        let supporting = entering.left.len();
-        slide_columns(&mut sad.columns, 0..supporting, lanes, entering, leaving);
-    }
-
-    /// Slides the window down by one row, and finds what wins there. `margin` supporting columns
-    /// stand before the first answered one.
-    pub(crate) fn match_row(
+    pub(crate) fn slide_down(
         sad: &mut Sad,
         space: &SearchSpace,
-        margin: usize,
+        layout: &Layout,
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        let Sad { columns, costs, sums, minima, winners } = sad;
-        let (lanes, total, supporting) = (space.lanes, space.columns(), entering.left.len());
-        let stride = lanes + PAD;
-        let column = |c: usize| PAD + c * stride..PAD + c * stride + lanes;
+        for (k, columns) in sad.columns.chunks_exact_mut(layout.left).take(space.count).enumerate()
+        {
+            slide_columns(columns, layout.shift(k), layout, entering, leaving);
+        }
+    }
 
+    /// Slides the window down by one row, and finds what wins there.
+    pub(crate) fn match_row(
+        sad: &mut Sad,
+        space: &SearchSpace,
+        layout: &Layout,
+        entering: RowPair<'_>,
+        leaving: RowPair<'_>,
+    ) {
+        let Sad { columns, threes, costs, winners } = sad;
+        let stride = layout.answered + GROUP;
+        winners.least.fill(OUT);
+        winners.index.fill(0);
         winners.right.fill(OUT);
-        let mut slid = supporting.min(margin + RADIUS);
-        slide_columns(columns, 0..slid, lanes, entering, leaving);
-        // The window around the column before the first one: from there it slides.
-        sums.fill(0);
-        for c in margin.saturating_sub(BEFORE)..slid {
-            add_column(sums, &columns[(BEFORE + c) * lanes..][..lanes]);
+        for k0 in (0..space.count).step_by(STEP) {
+            let last = (k0 + STEP).min(space.count) - 1;
+            // Only groups in which some column has one of these disparities for a candidate.
+            let start = columns_with_candidate(space, k0).0 / GROUP * GROUP;
+            let end = columns_with_candidate(space, last).1;
+            let groups = start..end.next_multiple_of(GROUP);
+            for k in k0..=last {
+                let columns = &mut columns[k * layout.left..][..layout.left + 2 * GROUP];
+                let slid = &mut columns[..layout.left];
+                slide_columns(slid, layout.shift(k), layout, entering, leaving);
+                let row = GROUP + (k + 1) * stride;
+                let costs = &mut costs[row + groups.start..row + groups.end];
+                sum_along(columns, threes, groups.start, costs);
+                let (first, end) = columns_with_candidate(space, k);
+                costs[..first - groups.start].fill(OUT);
+                costs[end - groups.start..].fill(OUT);
+            }
+            let until = (end + STEP - 1).next_multiple_of(GROUP);
+            compare(costs, stride, k0, groups.start..until, layout, winners);
         }
-        costs[column(CARRIED - 1)].fill(OUT);
-
-        let mut done = 0;
-        while done < total {
-            let size = TILE.min(total - done);
-            let upto = supporting.min(margin + done + size + RADIUS);
-            slide_columns(columns, slid..upto, lanes, entering, leaving);
-            slid = upto;
-            let supply = &columns[(margin + done) * lanes..][..(size + 2 * RADIUS + 1) * lanes];
-            let tile = &mut costs[PAD + CARRIED * stride..][..size * stride];
-            slide_window(sums, tile, supply, lanes);
-            for (x, column) in (space.first + done..).zip(tile.chunks_exact_mut(stride)) {
-                let candidates = space.candidates(x);
-                column[..candidates.start].fill(OUT);
-                column[candidates.end..lanes].fill(OUT);
-            }
-            let folds = size / FOLD;
-            for fold in 0..folds {
-                let first = CARRIED + fold * FOLD;
-                let place = total - (done + (fold + 1) * FOLD);
-                let minima = &mut winners.right[place..][..stride];
-                fold_into_right_view(&costs[first * stride..], stride, minima);
-            }
-            for i in folds * FOLD..size {
-                let minima = &mut winners.right[total - 1 - (done + i)..][..lanes];
-                for (least, &cost) in minima.iter_mut().zip(&costs[column(CARRIED + i)]) {
-                    *least = cost.min(*least);
-                }
-            }
-            // The winner of a column looks at both its neighbours: it is found one column late.
-            let late = usize::from(done > 0);
-            let last = done + size == total;
-            if last {
-                costs[column(CARRIED + size)].fill(OUT);
-            }
-            let found = size + late - usize::from(!last);
-            find_winners(costs, CARRIED - late, lanes, done - late, &mut minima[..found], winners);
-            costs.copy_within(size * stride..PAD + (size + CARRIED) * stride, 0);
-            done += size;
-        }
+        look_around(costs, stride, space.columns(), winners);
     }
 }
 
-// The loops below work on copies of whole groups: the compiler then knows that nothing overlaps,
-// and keeps a group in registers from the first operation to the last.
+/// The answered columns, counted from the first, at which disparity `k` is tried: from the first up
+/// to but without the last of two. There is at least one.
+fn columns_with_candidate(space: &SearchSpace, k: usize) -> (usize, usize) {
+    let (first, disparity) = (space.first as i64, i64::from(space.min) + k as i64);
+    let from = (disparity - first).max(0);
+    let end = (space.width as i64 + disparity - first).min(space.columns() as i64);
+    (from as usize, end as usize)
+}
 
-/// `V` of supporting columns `range`, one row further down.
+// The loops below work on whole groups, and on copies of what they change: the compiler then knows
+// that nothing overlaps.
+
+/// The group at a place.
 #[inline(always)]
-fn slide_columns(
+fn group<T>(samples: &[T], at: usize) -> &[T; GROUP] {
+    samples[at..].first_chunk().expect("a whole group")
+}
+
+/// The group at a place.
+#[inline(always)]
+fn group_mut<T>(samples: &mut [T], at: usize) -> &mut [T; GROUP] {
+    samples[at..].first_chunk_mut().expect("a whole group")
+}
+
+/// `V` of one disparity, one row further down.
+#[inline(always)]
+fn slide_columns<'a>(
     columns: &mut [u8],
-    range: Range<usize>,
-    lanes: usize,
-    entering: RowPair<'_>,
-    leaving: RowPair<'_>,
+    shift: usize,
+    layout: &Layout,
+    entering: RowPair<'a>,
+    leaving: RowPair<'a>,
 ) {
-    let last = entering.left.len() - 1;
-    let columns = &mut columns[(BEFORE + range.start) * lanes..(BEFORE + range.end) * lanes];
-    for (c, column) in range.zip(columns.chunks_exact_mut(lanes)) {
-        let left = (entering.left[c], leaving.left[c]);
-        let right_in = &entering.reversed[last - c..][..lanes];
-        let right_out = &leaving.reversed[last - c..][..lanes];
-        let (pairs, single) = column.as_chunks_mut::<{ 2 * GROUP }>();
-        let (in_pairs, in_single) = right_in.as_chunks::<{ 2 * GROUP }>();
-        let (out_pairs, out_single) = right_out.as_chunks::<{ 2 * GROUP }>();
-        for ((sums, right_in), right_out) in pairs.iter_mut().zip(in_pairs).zip(out_pairs) {
-            *sums = slide_sums(*sums, left, *right_in, *right_out);
+    let length = columns.len();
+    let left = |row: RowPair<'a>| row.left[..length].as_chunks().0.iter();
+    let right = |row: RowPair<'a>| row.right[shift..][..length].as_chunks().0.iter();
+    let entering = left(entering).zip(right(entering));
+    let leaving = left(leaving).zip(right(leaving));
+    let supply = entering.zip(leaving);
+    let groups = columns.as_chunks_mut::<GROUP>().0.iter_mut();
+    for (columns, ((left_in, right_in), (left_out, right_out))) in groups.zip(supply) {
+        let mut sums = *columns;
+        let (left_in, right_in): (&[u8; GROUP], &[u8; GROUP]) = (left_in, right_in);
+        let (left_out, right_out): (&[u8; GROUP], &[u8; GROUP]) = (left_out, right_out);
+        for i in 0..GROUP {
+            let gain = left_in[i].max(right_in[i]) - left_in[i].min(right_in[i]);
+            let loss = left_out[i].max(right_out[i]) - left_out[i].min(right_out[i]);
+            sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss);
         }
-        let single = single.as_chunks_mut::<GROUP>().0.iter_mut();
-        let right = in_single.as_chunks::<GROUP>().0.iter().zip(out_single.as_chunks::<GROUP>().0);
-        for (sums, (right_in, right_out)) in single.zip(right) {
-            *sums = slide_sums(*sums, left, *right_in, *right_out);
-        }
+        *columns = sums;
+    }
+    // Columns outside the image add nothing to any window.
+    let (first, end) = layout.inside;
+    for place in 0..RADIUS {
+        columns[place] = if place < first { 0 } else { columns[place] };
+        columns[end + place] = 0;
     }
 }
 
+/// `C` of one disparity at answered columns `first .. first + costs.len()`.
 #[inline(always)]
-fn slide_sums<const N: usize>(
-    mut sums: [u8; N],
-    (left_in, left_out): (u8, u8),
-    right_in: [u8; N],
-    right_out: [u8; N],
-) -> [u8; N] {
-    for i in 0..N {
-        let gain = left_in.max(right_in[i]) - left_in.min(right_in[i]);
-        let loss = left_out.max(right_out[i]) - left_out.min(right_out[i]);
-        sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss);
-    }
-    sums
-}
-
-#[inline(always)]
-fn add_column(sums: &mut [u16], column: &[u8]) {
-    for (sum, &v) in sums.iter_mut().zip(column) {
-        *sum = sum.wrapping_add(u16::from(v));
-    }
-}
-
-/// `C` of a tile. `sums` are those of the column before it; `columns` begins with the column of `V`
-/// that leaves the first window.
-#[inline(always)]
-fn slide_window(sums: &mut [u16], tile: &mut [u16], columns: &[u8], lanes: usize) {
-    let stride = lanes + PAD;
-    let leaving = columns.chunks_exact(lanes);
-    let entering = columns[(2 * RADIUS + 1) * lanes..].chunks_exact(lanes);
-    for (at, running) in (0..).step_by(GROUP).zip(sums.as_chunks_mut::<GROUP>().0) {
-        let mut sums = *running;
-        let tile = tile.chunks_exact_mut(stride);
-        for (costs, (entering, leaving)) in tile.zip(entering.clone().zip(leaving.clone())) {
-            let gain: [u8; GROUP] = *entering[at..].first_chunk().expect("a whole group");
-            let loss: [u8; GROUP] = *leaving[at..].first_chunk().expect("a whole group");
-            for i in 0..GROUP {
-                let gained = sums[i].wrapping_add(u16::from(gain[i]));
-                sums[i] = gained.wrapping_sub(u16::from(loss[i]));
-            }
-            *costs[at..].first_chunk_mut().expect("a whole group") = sums;
-        }
-        *running = sums;
-    }
-}
-
-/// Folds `FOLD` columns of costs along the diagonal, then into the right view's minima. Before
-/// every column, and after the last, stand `PAD` places that cannot win.
-#[inline(always)]
-fn fold_into_right_view(costs: &[u16], stride: usize, minima: &mut [u16]) {
-    // Place `i` belongs to index `i - (FOLD - 1) + j` of column `j`.
-    let diagonal: [&[u16]; FOLD] =
-        std::array::from_fn(|j| &costs[PAD + j * stride + j - (FOLD - 1)..][..stride]);
-    let mut at = 0;
-    while at + GROUP <= stride {
-        fold_group::<GROUP>(&diagonal, at, minima);
-        at += GROUP;
-    }
-    fold_group::<PAD>(&diagonal, at, minima);
-}
-
-#[inline(always)]
-fn fold_group<const N: usize>(diagonal: &[&[u16]; FOLD], at: usize, minima: &mut [u16]) {
-    let minima: &mut [u16; N] = minima[at..].first_chunk_mut().expect("a whole group");
-    let mut least = *minima;
-    for costs in diagonal {
-        let costs: [u16; N] = *costs[at..].first_chunk().expect("a whole group");
-        for i in 0..N {
-            least[i] = least[i].min(costs[i]);
+fn sum_along(columns: &[u8], threes: &mut [u16], first: usize, costs: &mut [u16]) {
+    // One group more than there are costs: the last window ends in it.
+    for at in (first..first + costs.len() + GROUP).step_by(GROUP) {
+        let (a, b, c) = (group(columns, at), group(columns, at + 1), group(columns, at + 2));
+        let sums = group_mut(threes, at);
+        for i in 0..GROUP {
+            sums[i] = u16::from(a[i]) + u16::from(b[i]) + u16::from(c[i]);
         }
     }
-    *minima = least;
+    for at in (0..costs.len()).step_by(GROUP) {
+        let x = first + at;
+        let (a, b, c) = (group(threes, x), group(threes, x + 3), group(threes, x + 6));
+        let sums = group_mut(costs, at);
+        for i in 0..GROUP {
+            sums[i] = a[i] + b[i] + c[i];
+        }
+    }
 }
 
-/// Finds what wins at as many columns as there are `minima`, from column `first` of the tile and
-/// answered column `x` on.
+/// Compares the costs of indices `k0 ..` with the least ones so far of both views.
 #[inline(always)]
-fn find_winners(
+fn compare(
     costs: &[u16],
-    first: usize,
-    lanes: usize,
-    x: usize,
-    minima: &mut [[u16; GROUP]],
+    stride: usize,
+    k0: usize,
+    columns: Range<usize>,
+    layout: &Layout,
     winners: &mut Winners,
 ) {
-    let stride = lanes + PAD;
-    let answered = x..x + minima.len();
-    let columns = costs[PAD + first * stride..].chunks_exact(stride);
-    for (column, minima) in columns.clone().zip(minima.iter_mut()) {
-        let mut least = [OUT; GROUP];
-        for group in column.as_chunks::<GROUP>().0 {
-            let group = *group;
-            for i in 0..GROUP {
-                least[i] = least[i].min(group[i]);
+    let shift = layout.shift(k0 + STEP - 1);
+    for at in columns.step_by(GROUP) {
+        let row = |j: usize| group(costs, GROUP + (k0 + j + 1) * stride + at);
+        let straight = [row(0), row(1), row(2), row(3)];
+        // The same right columns are as many left columns further on as disparities.
+        let slanted = |j: usize| group(costs, GROUP + (k0 + j + 1) * stride + at + j + 1 - STEP);
+        let slanted = [slanted(0), slanted(1), slanted(2), straight[3]];
+        let least = group_mut(&mut winners.least, at);
+        let index = group_mut(&mut winners.index, at);
+        let right = group_mut(&mut winners.right, at + shift);
+        let (mut lowest, mut places, mut opposite) = (*least, *index, *right);
+        for i in 0..GROUP {
+            for j in 0..STEP {
+                let cost = straight[j][i];
+                places[i] = if cost < lowest[i] { (k0 + j) as u16 } else { places[i] };
+                lowest[i] = lowest[i].min(cost);
+                opposite[i] = opposite[i].min(slanted[j][i]);
             }
         }
-        *minima = least;
-    }
-    // From memory, the compiler folds a group by halves; from registers, lane after lane.
-    let least = &mut winners.least[answered.clone()];
-    for (minima, least) in minima.iter().zip(least.iter_mut()) {
-        *least = minima.iter().fold(OUT, |least, &cost| least.min(cost));
-    }
-    let index = &mut winners.index[answered.clone()];
-    for ((column, &least), index) in columns.zip(least.iter()).zip(index.iter_mut()) {
-        *index = first_of(&column[..lanes], least);
-    }
-    let before = winners.before[answered.clone()].iter_mut();
-    let after = winners.after[answered.clone()].iter_mut();
-    let confirming = winners.confirming[answered].iter_mut();
-    let here = (PAD + first * stride..).step_by(stride);
-    let found = here.zip(index.iter()).zip(least.iter());
-    for (((here, &index), &least), ((before, after), confirming)) in
-        found.zip(before.zip(after).zip(confirming))
-    {
-        let at = here + usize::from(index);
-        *before = costs[at - 1];
-        *after = costs[at + 1];
-        *confirming = least.min(costs[at - 1 - stride]).min(costs[at + 1 + stride]);
+        (*least, *index, *right) = (lowest, places, opposite);
     }
 }
 
-/// The first place of a cost.
+/// The costs around the winners of the answered columns.
 #[inline(always)]
-fn first_of(costs: &[u16], cost: u16) -> u16 {
-    let mut first = [u16::MAX; GROUP];
-    let mut base = 0;
-    for group in costs.as_chunks::<GROUP>().0 {
-        let group = *group;
-        for i in 0..GROUP {
-            let index = if group[i] == cost { base + i as u16 } else { u16::MAX };
-            first[i] = first[i].min(index);
-        }
-        base += GROUP as u16;
+fn look_around(costs: &[u16], stride: usize, columns: usize, winners: &mut Winners) {
+    let found = winners.index.iter().zip(&winners.least);
+    let around = winners.before.iter_mut().zip(&mut winners.after).zip(&mut winners.confirming);
+    let found = found.zip(around).take(columns);
+    for (x, ((&index, &least), ((before, after), confirming))) in found.enumerate() {
+        let at = GROUP + (usize::from(index) + 1) * stride + x;
+        *before = costs[at - stride];
+        *after = costs[at + stride];
+        *confirming = least.min(costs[at - stride - 1]).min(costs[at + stride + 1]);
     }
-    first.into_iter().fold(u16::MAX, u16::min)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::absolute_difference::reverse_row;
+    use crate::cost::absolute_difference::repeat_border;
     use crate::kernels::level::Level;
     use raster::{BoundingBox, DisparityRange, Plane};
 
@@ -399,9 +363,10 @@ mod tests {
             let diagonal = [cost(x, k), cost(x - 1, k - 1), cost(x + 1, k + 1)];
             winners.confirming.push(*diagonal.iter().min().unwrap());
         }
-        for i in 0..space.columns() + space.count - 1 {
-            let right = space.last as i64 - i64::from(space.min) - i as i64;
-            let costs = (0..space.count as i64).map(|k| cost(right + i64::from(space.min) + k, k));
+        let shift = Layout::new(space).shift(0);
+        for place in 0..space.columns() + shift {
+            let x = |k: i64| space.first as i64 + place as i64 + k - shift as i64;
+            let costs = (0..space.count as i64).map(|k| cost(x(k), k));
             winners.right.push(costs.min().unwrap());
         }
         winners
@@ -414,36 +379,52 @@ mod tests {
         left: &Plane<u8>,
         right: &Plane<u8>,
     ) -> Vec<Winners> {
-        let (width, height) = left.size();
-        let c0 = space.first.saturating_sub(RADIUS);
-        let c1 = (space.last + RADIUS).min(width - 1);
-        let reversed: Vec<Vec<u8>> = (0..height)
-            .map(|y| {
-                let mut row = vec![0; c1 - c0 + 1 + space.lanes];
-                reverse_row(right.row(y), c1 as i64 - i64::from(space.min), &mut row);
-                row
-            })
-            .collect();
-        let nothing = vec![0; c1 - c0 + 1 + space.lanes];
-        let row = |y: usize| {
+        let height = left.rows();
+        let layout = Layout::new(space);
+        let first = space.first as i64 - RADIUS as i64;
+        let least = first - i64::from(space.min) - layout.shift(0) as i64;
+        let row = |image: &Plane<u8>, y: usize, from: i64, length: usize| {
+            let mut row = vec![0; length];
             if y < height {
-                RowPair { left: &left.row(y)[c0..=c1], reversed: &reversed[y] }
-            } else {
-                RowPair { left: &nothing[..=c1 - c0], reversed: &nothing }
+                repeat_border(image.row(y), from, &mut row);
             }
+            row
         };
+        let rows =
+            |y: usize| [row(left, y, first, layout.left), row(right, y, least, layout.right)];
+        fn pair(rows: &[Vec<u8>; 2]) -> RowPair<'_> {
+            RowPair { left: &rows[0], right: &rows[1] }
+        }
+        let nothing = rows(usize::MAX);
         let mut sad = Sad::default();
-        sad.begin(space, c1 - c0 + 1);
+        sad.begin(space, &layout);
         for y in 0..RADIUS {
-            slide_down(level, &mut sad, space.lanes, row(y), row(usize::MAX));
+            slide_down(level, &mut sad, space, &layout, pair(&rows(y)), pair(&nothing));
         }
         let mut all = Vec::new();
         for y in 0..height {
-            let (entering, leaving) = (row(y + RADIUS), row(y.wrapping_sub(RADIUS + 1)));
-            match_row(level, &mut sad, space, space.first - c0, entering, leaving);
+            let (entering, leaving) = (rows(y + RADIUS), rows(y.wrapping_sub(RADIUS + 1)));
+            match_row(level, &mut sad, space, &layout, pair(&entering), pair(&leaving));
             all.push(sad.winners.clone());
         }
         all
+    }
+
+    #[test]
+    fn a_disparity_is_tried_where_it_is_a_candidate() {
+        for (columns, range) in
+            [((0, 9), (0, 5)), ((0, 9), (-4, 3)), ((3, 4), (-500, 500)), ((0, 9), (8, 40))]
+        {
+            let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
+            let range = DisparityRange::new(range.0, range.1).unwrap();
+            let space = SearchSpace::new(10, bounds, range);
+            for (x, k) in (0..space.columns()).flat_map(|x| (0..space.count).map(move |k| (x, k))) {
+                let (from, end) = columns_with_candidate(&space, k);
+                let expected = space.candidates(space.first + x).contains(&k);
+                assert_eq!((from..end).contains(&x), expected, "column {x}, index {k}");
+                assert!(from < end);
+            }
+        }
     }
 
     #[test]
@@ -480,16 +461,17 @@ mod tests {
                 let found = winners_by_kernel(level, &space, &left, &right);
                 for (y, found) in found.into_iter().enumerate() {
                     let expected = winners_by_definition(&space, &left, &right, y);
+                    let expected_columns = space.columns();
                     let tried: Vec<bool> = expected.least.iter().map(|&v| v < OUT).collect();
                     let only = |v: &[u16]| -> Vec<u16> {
                         // Above OUT, values only say that nothing was tried.
-                        v.iter().map(|&v| v.min(OUT)).collect()
+                        v[..expected_columns].iter().map(|&v| v.min(OUT)).collect()
                     };
                     let at_winners = |v: &[u16]| -> Vec<u16> {
                         only(v).into_iter().zip(&tried).filter(|t| *t.1).map(|t| t.0).collect()
                     };
                     let what = format!("{width} x {height}, {x0}..{x1}, {min}..{max}, row {y}");
-                    assert_eq!(only(&found.least), expected.least, "least, {what}");
+                    assert_eq!(only(&found.least), only(&expected.least), "least, {what}");
                     assert_eq!(at_winners(&found.index), at_winners(&expected.index), "{what}");
                     assert_eq!(at_winners(&found.before), at_winners(&expected.before), "{what}");
                     assert_eq!(at_winners(&found.after), at_winners(&expected.after), "{what}");
@@ -498,13 +480,9 @@ mod tests {
                         at_winners(&expected.confirming),
                         "confirming, {what}"
                     );
-                    for (i, &least) in expected.right.iter().enumerate() {
-                        // Columns outside the right image are of no interest.
-                        let column = space.last as i64 - i64::from(space.min) - i as i64;
-                        if (0..width as i64).contains(&column) {
-                            assert_eq!(found.right[i].min(OUT), least, "right {column}, {what}");
-                        }
-                    }
+                    let right = &found.right[..expected.right.len()];
+                    let right: Vec<u16> = right.iter().map(|&v| v.min(OUT)).collect();
+                    assert_eq!(right, expected.right, "right, {what}");
                 }
             }
         }

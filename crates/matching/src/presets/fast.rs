@@ -10,10 +10,10 @@ use crate::kernels::median::median_of_5_rows;
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
 use crate::refinement::groups::{Groups, LARGEST};
+pub(super) use crate::refinement::row_fill::hole;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
-pub(super) use crate::refinement::row_fill::{fill_rows, hole};
 use crate::selection::confirm::confirm_row;
-use crate::selection::fixed_point::{FixedPoint, HOLE};
+use crate::selection::fixed_point::{FixedPoint, HOLE, row_in_pixels};
 use crate::{Holes, MatchError};
 
 /// Neighbours of one group differ by at most so many pixels.
@@ -206,9 +206,7 @@ impl Fast {
                 });
                 median_of_5_rows(level, near, &mut band.medians);
                 let values = &mut values[bounds.x0..=bounds.x1];
-                for (value, &steps) in values.iter_mut().zip(&band.medians) {
-                    *value = numbers.pixels(steps);
-                }
+                row_in_pixels(level, numbers, &band.medians, values);
             }
         });
     }

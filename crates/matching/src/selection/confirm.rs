@@ -16,7 +16,7 @@
 
 use crate::cost::SearchSpace;
 use crate::kernels::level::at_every_level;
-use crate::kernels::sad::{OUT, Winners};
+use crate::kernels::sad::{Layout, OUT, Winners};
 use crate::selection::fixed_point::{FixedPoint, HOLE};
 
 /// Adding and taking away this number rounds a float below it to a whole one, in two operations at
@@ -39,9 +39,10 @@ at_every_level! {
         let confirming = &winners.confirming[..n];
         let (opposite, disparities) = (&mut opposite[..n], &mut disparities[..n]);
         let confidence = &mut confidence[..n];
+        let shift = Layout::new(space).shift(0);
         // The least sums of the right pixels that the winners point at.
         for x in 0..n {
-            opposite[x] = winners.right[n - 1 - x + usize::from(index[x])];
+            opposite[x] = winners.right[x + shift - usize::from(index[x])];
         }
         let scale = f32::from(numbers.scale());
         for x in 0..n {
@@ -63,7 +64,7 @@ struct Valley {
 
 #[inline(always)]
 fn valley(before: u16, least: u16, after: u16) -> Valley {
-    let [before, least, after] = [before, least, after].map(f32::from);
+    let (before, least, after) = (f32::from(before), f32::from(least), f32::from(after));
     let higher = before.max(after);
     let rise = higher - least;
     // No sum beside the winner at one end of the range: nothing is known there.
@@ -86,7 +87,7 @@ mod tests {
         let field = |i: usize| columns.iter().map(|c| c[i]).collect::<Vec<_>>();
         let mut right = vec![OUT; n + 8];
         for (x, c) in columns.iter().enumerate() {
-            right[n - 1 - x + usize::from(c[0])] = c[5];
+            right[x + 7 - usize::from(c[0])] = c[5];
         }
         Winners {
             index: field(0),

@@ -6,6 +6,7 @@
 //! is 1/256 pixel, at 1000 it is 1/64.
 
 use crate::cost::SearchSpace;
+use crate::kernels::level::at_every_level;
 
 /// Stands for "no disparity". It is larger than every disparity, so that of two neighbours the
 /// smaller is always one that exists, if any does.
@@ -45,7 +46,17 @@ impl FixedPoint {
         if steps == HOLE {
             f32::NAN
         } else {
-            self.min as f32 + f32::from(steps) / f32::from(self.scale)
+            // The scale is a power of two: nothing is lost by multiplying with its inverse.
+            self.min as f32 + f32::from(steps) * (1.0 / f32::from(self.scale))
+        }
+    }
+}
+
+at_every_level! {
+    /// A row of disparities in pixels.
+    pub(crate) fn row_in_pixels(numbers: FixedPoint, steps: &[u16], pixels: &mut [f32]) {
+        for (pixels, &steps) in pixels.iter_mut().zip(steps) {
+            *pixels = numbers.pixels(steps);
         }
     }
 }
@@ -70,6 +81,14 @@ mod tests {
                 assert!(HOLE - steps > scale, "{disparity} comes near a hole");
             }
             assert!(numbers.pixels(HOLE).is_nan());
+            let row: Vec<u16> = (0..100).map(|i| i * 3).chain([HOLE]).collect();
+            for level in crate::kernels::level::Level::available() {
+                let mut pixels = vec![0.0; row.len()];
+                row_in_pixels(level, numbers, &row, &mut pixels);
+                for (&steps, pixels) in row.iter().zip(pixels) {
+                    assert_eq!(pixels.to_bits(), numbers.pixels(steps).to_bits());
+                }
+            }
         }
     }
 }
