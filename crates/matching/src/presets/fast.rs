@@ -10,8 +10,8 @@ use crate::kernels::median::median_of_5_rows;
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
 use crate::refinement::groups::{Groups, LARGEST};
-pub(super) use crate::refinement::row_fill::hole;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
+pub(super) use crate::refinement::row_fill::{fill_rows, hole};
 use crate::selection::confirm::confirm_row;
 use crate::selection::fixed_point::{FixedPoint, HOLE, row_in_pixels};
 use crate::{Holes, MatchError};
@@ -233,6 +233,84 @@ fn open_holes(frame: &Frame<'_>, map: &mut DisparityMap) {
         *reason = hole(*reason);
         if !reason.has_value() {
             *value = f32::NAN;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raster::{BoundingBox, DisparityRange, Image};
+
+    /// Something to match: a near square before a slanted wall, noise, and a blank corner.
+    fn scene(columns: usize, rows: usize) -> [Image; 2] {
+        let texture = |x: i64, y: i64, seed: i64| {
+            let v = (x * 0x9E37 + y * 0x79B9 + seed * 0x7F4A).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            (v ^ v >> 29).wrapping_mul(0x5851_F42D_4C95_7F2D) >> 40 & 0xFF
+        };
+        let near = |x: i64, y: i64| (30..60).contains(&x) && (10..30).contains(&y);
+        let grey = |x: i64, y: i64| match () {
+            () if x + y < 12 => 90,
+            () if near(x, y) => texture(x, y, 1),
+            () => texture(x, y, 2) / 2,
+        };
+        let left = Plane::from_fn(columns, rows, |x, y| grey(x as i64, y as i64) as u8);
+        let right = Plane::from_fn(columns, rows, |x, y| {
+            let (x, y) = (x as i64, y as i64);
+            let seen = if near(x + 9, y) { grey(x + 9, y) } else { grey(x + 2 + y / 16, y) };
+            (seen + texture(x, y, 3) / 32).min(255) as u8
+        });
+        [Image::Grey8(left), Image::Grey8(right)]
+    }
+
+    fn map(level: Level, frame: &Frame<'_>, height: usize, threads: usize) -> DisparityMap {
+        let (columns, rows) = frame.size();
+        let mut map = DisparityMap::empty(columns, rows);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| Fast::new(level).run_in_bands(frame, height, &mut map)).unwrap();
+        map
+    }
+
+    /// The bits of a map, so that holes are equal to holes.
+    fn bits(map: &DisparityMap) -> Vec<(u32, Reason, u32)> {
+        let rest = map.reasons.samples().iter().zip(map.confidence.samples());
+        let all = map.values.samples().iter().zip(rest);
+        all.map(|(value, (reason, sure))| (value.to_bits(), *reason, sure.to_bits())).collect()
+    }
+
+    #[test]
+    fn levels_threads_and_heights_of_bands_give_the_same_bits() {
+        let [left, right] = scene(101, 43);
+        let range = DisparityRange::new(-3, 20).unwrap();
+        for bounds in [BoundingBox::whole(101, 43), BoundingBox::new(7, 5, 90, 41).unwrap()] {
+            for holes in [Holes::Fill, Holes::Keep] {
+                let frame = Frame { left: &left, right: &right, bounds, range, holes };
+                let expected = bits(&map(Level::available()[0], &frame, bounds.rows(), 1));
+                let matched = expected.iter().filter(|pixel| pixel.1 == Reason::Matched).count();
+                assert!(matched > 2000, "the scene is hard to match: {matched} pixels");
+                for level in Level::available() {
+                    eprintln!("level {}", level.name());
+                    for height in 1..=bounds.rows() {
+                        let found = bits(&map(level, &frame, height, 1 + height % 4));
+                        assert!(found == expected, "{level:?}, bands of {height}, box {bounds}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_frame_leaves_behind_does_not_show_in_the_next() {
+        let range = DisparityRange::new(0, 15).unwrap();
+        let (mut reused, mut found) = (Fast::new(Level::detect()), DisparityMap::default());
+        for (columns, rows) in [(90, 40), (33, 12), (1, 1), (101, 43)] {
+            let [left, right] = scene(columns, rows);
+            let bounds = BoundingBox::whole(columns, rows);
+            let frame = Frame { left: &left, right: &right, bounds, range, holes: Holes::Fill };
+            found.reset(columns, rows);
+            reused.run_in_bands(&frame, 7, &mut found).unwrap();
+            let expected = map(Level::detect(), &frame, 7, 1);
+            assert!(bits(&found) == bits(&expected), "{columns} x {rows}");
         }
     }
 }
