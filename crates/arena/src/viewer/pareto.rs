@@ -4,8 +4,8 @@ use super::anchor;
 use crate::board::Standing;
 use crate::markup::escaped;
 
-const WIDTH: f64 = 480.0;
-const HEIGHT: f64 = 320.0;
+const WIDTH: f64 = 400.0;
+const HEIGHT: f64 = 290.0;
 /// Room for the axes' numbers and names.
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 14.0;

@@ -106,12 +106,12 @@ impl Classroom {
         folder
     }
 
-    /// The command `grade` with these arguments.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    /// The command of this name with these arguments.
+    pub fn command(&self, name: &str, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hazcam"));
-        command.current_dir(self.folder.path()).arg("grade").args(arguments);
+        command.current_dir(self.folder.path()).arg(name).args(arguments);
         command.env("TMPDIR", self.path("tmp"));
-        for variable in ["HAZCAM_DATA", "HAZCAM_ENGINES", "HAZCAM_PYTHON"] {
+        for variable in ["HAZCAM_DATA", "HAZCAM_ENGINES", "HAZCAM_PYTHON", "HAZCAM_BOARD"] {
             command.env_remove(variable);
         }
         if let Some(python) = &self.python {
@@ -122,7 +122,7 @@ impl Classroom {
 
     /// Grades; the exit status, stdout and stderr. Nothing may be left behind.
     pub fn run(&self, arguments: &[&str]) -> (i32, String, String) {
-        let Output { status, stdout, stderr } = self.command(arguments).output().unwrap();
+        let Output { status, stdout, stderr } = self.command("grade", arguments).output().unwrap();
         let left: Vec<_> = fs::read_dir(self.path("tmp")).unwrap().flatten().collect();
         assert!(left.is_empty(), "left behind: {left:?}");
         let text = |bytes| String::from_utf8(bytes).unwrap();

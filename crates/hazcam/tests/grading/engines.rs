@@ -27,7 +27,7 @@ fn the_course_gives_its_fifty_points() {
         return crate::classroom::skip("HAZCAM_DATA is not set");
     };
     let Some(classroom) = Classroom::without_python() else { return };
-    let mut command = classroom.command(&["--matcher", "fast:best", "--format", "json"]);
+    let mut command = classroom.command("grade", &["--matcher", "fast:best", "--format", "json"]);
     let output = command.env("HAZCAM_DATA", data).output().unwrap();
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["points"], &report["max_points"]), (&50.0.into(), &50.0.into()));

@@ -2,6 +2,8 @@
 //! hostile, and what it prints, leaves behind and ends with is looked at.
 
 mod archives;
+mod board;
+mod browser;
 mod classroom;
 mod engines;
 mod entrants;
@@ -9,3 +11,4 @@ mod hostile;
 mod messages;
 mod missing_parts;
 mod outputs;
+mod page;

@@ -1,0 +1,264 @@
+//! `hazcam board` from the first entry to the page.
+
+use std::fs;
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::classroom::{Classroom, HONEST};
+
+/// A small hold-out that takes no time.
+const HOLDOUT: &str = r#"
+name = "Hold-out"
+
+[[test]]
+name = "Hold-out"
+part = "best"
+scene = "ground"
+max_disparity = 64
+max_e_rms = 5.0
+max_p_bad = 0.11
+points = 0
+cpu_seconds = 20
+
+[scene.ground]
+kind = "mars"
+seed = 99
+columns = 200
+rows = 150
+box = "64,0,199,149"
+"#;
+
+/// A board that ranks on the small hold-out.
+pub struct Course(pub Classroom);
+
+impl Course {
+    pub fn new() -> Option<Self> {
+        let classroom = Classroom::without_python()?;
+        fs::write(classroom.path("holdout.toml"), HOLDOUT).unwrap();
+        Some(Self(classroom))
+    }
+
+    fn with_python() -> Option<Self> {
+        let classroom = Classroom::with_python()?;
+        fs::write(classroom.path("holdout.toml"), HOLDOUT).unwrap();
+        Some(Self(classroom))
+    }
+
+    /// `board` with these arguments; exit status, stdout, stderr.
+    pub fn run(&self, arguments: &[&str]) -> (i32, String, String) {
+        let mut command = self.0.command("board", arguments);
+        let Output { status, stdout, stderr } = command.output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (status.code().unwrap(), text(stdout), text(stderr))
+    }
+
+    /// Runs what must succeed; stdout.
+    #[track_caller]
+    pub fn done(&self, arguments: &[&str]) -> String {
+        let (status, stdout, stderr) = self.run(arguments);
+        assert_eq!(status, 0, "{arguments:?}\n{stdout}{stderr}");
+        stdout
+    }
+
+    /// The ranking as JSON.
+    fn ranking(&self) -> Vec<Value> {
+        serde_json::from_str(&self.done(&["show", "--format", "json"])).unwrap()
+    }
+}
+
+/// Adds an entrant under the small scheme.
+pub const ADD: [&str; 5] = ["add", "--scheme", "small.toml", "--holdout", "holdout.toml"];
+
+fn with<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
+    ADD.into_iter().chain(arguments.iter().copied()).collect()
+}
+
+#[test]
+fn entrants_are_ranked_renamed_and_removed() {
+    let Some(course) = Course::new() else { return };
+    let text = course.done(&with(&["--matcher", "fast:fast", "--owner", "her"]));
+    assert!(
+        text.contains("Hold-out                 limit 20 CPU s\n  OK        no points   E_RMS")
+    );
+    assert!(text.ends_with("Entered `fast:fast`: place 1 of 1\n"), "{text}");
+    course.done(&with(&["--matcher", "best", "--baseline"]));
+    let text =
+        course.done(&with(&["--matcher", "fast:best", "--secret-id", "Zwei", "--owner", "him"]));
+    assert!(text.contains("Entered `Zwei`: place 1 of 3"), "{text}");
+    let ranking = course.ranking();
+    let row = |at: usize| {
+        let each = &ranking[at];
+        (
+            each["entry"]["secret_id"].as_str().unwrap(),
+            each["place"].as_u64(),
+            each["bonus"].as_f64(),
+        )
+    };
+    // The baseline is the same matcher: it stands beside its twin, without a place.
+    let mut first = [row(0), row(1)];
+    first.sort_by_key(|each| each.0);
+    assert_eq!(first, [("Zwei", Some(1), Some(5.0)), ("best", None, Some(0.0))]);
+    assert_eq!(row(2), ("fast:fast", Some(2), Some(3.0)));
+    assert_eq!(ranking[2]["total"].as_f64(), Some(5.0 + 3.0));
+    // The score is the documented one.
+    let scores = &ranking[2]["entry"]["holdout"]["scores"];
+    let (e_rms, p_bad) = (scores["e_rms"].as_f64().unwrap(), scores["p_bad"].as_f64().unwrap());
+    let score = ranking[2]["score"].as_f64().unwrap();
+    assert!((score - (e_rms / 5.0 + p_bad / 0.11) / 2.0).abs() < 1e-12);
+    // The sky has no disparity, and what is left of the box is not asked for.
+    assert!((1..=136 * 150).contains(&scores["pixels"].as_u64().unwrap()), "{scores}");
+
+    let (status, _, stderr) = course.run(&with(&["--matcher", "fast", "--secret-id", "zwei"]));
+    assert_eq!(status, 2);
+    assert!(stderr.contains("the secret ID `zwei` is taken"), "{stderr}");
+    let text = course.done(&with(&["--matcher", "fast", "--owner", "him", "--secret-id", "Drei"]));
+    assert!(text.contains("in the place of him's earlier entry `Zwei`"), "{text}");
+    course.done(&["rename", "Drei", "Four"]);
+    course.done(&["remove", "best"]);
+    let table = course.done(&["show"]);
+    assert!(
+        table.contains("Four") && !table.contains("Drei") && !table.contains("best"),
+        "{table}"
+    );
+    assert_eq!(course.ranking().len(), 2);
+}
+
+#[test]
+fn a_submission_is_entered_under_its_secret_id() {
+    let Some(course) = Course::with_python() else { return };
+    course.0.submission("alice", HONEST);
+    let text = course.done(&with(&["alice"]));
+    assert!(text.ends_with("Entered `Secret alice`: place 1 of 1\n"), "{text}");
+    fs::remove_file(course.0.path("alice/secret_id.py")).unwrap();
+    let (status, _, stderr) = course.run(&with(&["alice"]));
+    assert_eq!(status, 2);
+    assert!(stderr.contains("no usable secret ID"), "{stderr}");
+    let text = course.done(&with(&["alice", "--secret-id", "Ally"]));
+    assert!(text.contains("in the place of alice's earlier entry `Secret alice`"), "{text}");
+    // One that crashes on the hold-out is entered, without a place.
+    let crash = "def NAME(Il, Ir, bbox, maxd):\n    assert maxd < 20\n    return Il * 0 + 5\n";
+    let source = crash.replace("NAME", "stereo_disparity_best");
+    course.0.submission("bob", HONEST);
+    fs::write(course.0.path("bob/stereo_disparity_best.py"), source).unwrap();
+    let text = course.done(&with(&["bob"]));
+    assert!(text.contains("without a place, since it has no answer on the hold-out"), "{text}");
+    assert!(text.contains("AssertionError"), "{text}");
+}
+
+#[test]
+fn all_rank_on_one_holdout() {
+    let Some(course) = Course::new() else { return };
+    course.done(&with(&["--matcher", "fast"]));
+    // Later entries need not name it.
+    course.done(
+        &["add", "--scheme", "small.toml", "--matcher", "fast", "--owner", "2"]
+            .into_iter()
+            .chain(["--secret-id", "second"])
+            .collect::<Vec<_>>(),
+    );
+    let other = HOLDOUT.replace("seed = 99", "seed = 100");
+    fs::write(course.0.path("holdout.toml"), other).unwrap();
+    let (status, _, stderr) = course.run(&with(&["--matcher", "fast"]));
+    assert_eq!(status, 2);
+    assert!(stderr.contains("ranks on another hold-out"), "{stderr}");
+}
+
+#[test]
+fn a_pair_on_disk_is_a_holdout_while_its_files_stay() {
+    let Some(course) = Course::new() else { return };
+    let picture = |name: &str, shift: usize| {
+        let texture = |x: usize, y: usize| ((x * 7919 + y * 104_729) % 251) as u8;
+        let plane = raster::Plane::from_fn(90, 60, |x, y| texture(x + shift, y));
+        formats::write_image(course.0.path(name), &raster::Image::Grey8(plane)).unwrap();
+    };
+    picture("l.png", 0);
+    picture("r.png", 4);
+    let truth = raster::Plane::filled(90, 60, 4.0f32);
+    formats::write_disparity(course.0.path("t.pfm"), &truth).unwrap();
+    let at = HOLDOUT.find("[scene.ground]").unwrap();
+    let files = "[scene.ground]\nleft = 'l.png'\nright = 'r.png'\ntruth = 't.pfm'\n";
+    fs::write(course.0.path("holdout.toml"), format!("{}{files}", &HOLDOUT[..at])).unwrap();
+    course.done(&with(&["--matcher", "fast"]));
+    picture("l.png", 1);
+    let (status, _, stderr) = course.run(&["add", "--scheme", "small.toml", "--matcher", "fast"]);
+    assert_eq!(status, 2);
+    assert!(stderr.contains("its files were changed since"), "{stderr}");
+    fs::remove_file(course.0.path("t.pfm")).unwrap();
+    let (status, _, stderr) = course.run(&["add", "--scheme", "small.toml", "--matcher", "fast"]);
+    assert_eq!(status, 2);
+    assert!(stderr.contains("hold-out") && stderr.contains("t.pfm"), "{stderr}");
+}
+
+#[test]
+fn the_secret_is_out_of_every_entrants_reach() {
+    let Some(course) = Course::new() else { return };
+    let folder = course.0.path("engines");
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("mine.toml"), "name = 'mine'\ncommand = ['/bin/true']\n").unwrap();
+    // An engine may read the folder of its definition, and there lies the board.
+    let (status, stdout, stderr) = course.run(&with(&[
+        "--matcher",
+        "fast:mine",
+        "--engines",
+        "engines",
+        "--board",
+        "engines/board.sqlite",
+    ]));
+    assert_eq!(status, 2);
+    assert!(stdout.contains("engines/board.sqlite lies within"), "{stdout}");
+    assert!(stderr.contains("not entered, because the grader failed"), "{stderr}");
+}
+
+#[test]
+fn many_at_once_are_all_entered() {
+    let Some(course) = Course::new() else { return };
+    let children: Vec<_> = (0..5)
+        .map(|n| {
+            let owner = format!("owner {n}");
+            // Without a hold-out given, one of them draws the seed for all.
+            let arguments = ["add", "--scheme", "small.toml", "--matcher", "fast", "--owner"];
+            let mut command = course.0.command("board", &arguments);
+            command.args([&owner, "--secret-id", &owner]);
+            command.stdout(std::process::Stdio::null()).spawn().unwrap()
+        })
+        .collect();
+    for mut child in children {
+        assert!(child.wait().unwrap().success());
+    }
+    let ranking = course.ranking();
+    assert_eq!(ranking.len(), 5);
+    let score = |each: &Value| each["score"].as_f64().unwrap();
+    assert!(ranking.iter().all(|each| score(each) == score(&ranking[0])), "one hold-out for all");
+}
+
+#[test]
+fn mistakes_are_named() {
+    let Some(course) = Course::new() else { return };
+    fs::write(course.0.path("notes.txt"), "no database\n".repeat(100)).unwrap();
+    for (arguments, words) in [
+        (vec!["show"], "there is no board board.sqlite: `hazcam board add` begins one"),
+        (vec!["show", "--board", "notes.txt"], "notes.txt is no leaderboard"),
+        (vec!["add"], "required"),
+        (with(&["--matcher", "fast", "--secret-id", "abc"]), "`abc` cannot be a secret ID"),
+        (with(&["--matcher", "fast", "--owner", ""]), "cannot name an owner"),
+        (vec!["add", "--matcher", "fast", "--holdout", "none.toml"], "none.toml"),
+    ] {
+        let (status, stdout, stderr) = course.run(&arguments);
+        assert_eq!((status, stdout.as_str()), (2, ""), "{arguments:?}");
+        assert!(stderr.contains(words), "{arguments:?}: {stderr}");
+    }
+    course.done(&with(&["--matcher", "fast"]));
+    for (arguments, words) in [
+        (
+            ["rename", "nobody", "somebody"],
+            "nobody on the board is called `nobody`; there are fast",
+        ),
+        (["rename", "fast", "x"], "`x` cannot be a secret ID"),
+        (["export", "no/such/board.html", "--quiet"], "no/such/board.html"),
+    ] {
+        let (status, _, stderr) = course.run(&arguments);
+        assert_eq!(status, 2);
+        assert!(stderr.contains(words), "{arguments:?}: {stderr}");
+    }
+}
