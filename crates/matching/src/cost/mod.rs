@@ -1,7 +1,7 @@
 //! How badly left `(x, y)` and right `(x - d, y)` fit, per disparity `d`.
 
 pub(crate) mod absolute_difference;
-pub(crate) mod hamming;
+pub(crate) mod census_gradient;
 
 use std::ops::Range;
 

@@ -1,3 +1,4 @@
 //! A disparity per pixel that is also smooth.
 
 pub(crate) mod semi_global;
+pub(crate) mod support_weights;

@@ -1,5 +1,6 @@
 //! What matching costs are computed from.
 
 pub(crate) mod census;
+pub(crate) mod gradient;
 pub(crate) mod grey;
 pub(crate) mod prefilter;

@@ -6,17 +6,17 @@ mod semi_global;
 use crate::kernels::level::Level;
 use crate::matcher::Pipeline;
 use crate::{MatchError, Options, Preset};
-use semi_global::{SemiGlobalMatching, Smoothing};
+use semi_global::{Finish, SemiGlobalMatching};
 
 /// The stages that the options ask for.
 pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchError> {
-    let semi_global = |smoothing| -> Result<Box<dyn Pipeline>, MatchError> {
-        Ok(Box::new(SemiGlobalMatching::new(smoothing, Level::chosen()?)))
+    let semi_global = |finish| -> Result<Box<dyn Pipeline>, MatchError> {
+        Ok(Box::new(SemiGlobalMatching::new(finish, Level::chosen()?)))
     };
     match options.preset {
         Preset::Fast => Ok(Box::new(fast::Fast::new(Level::chosen()?))),
-        Preset::Balanced => semi_global(Smoothing::Median),
-        Preset::Best => semi_global(Smoothing::WeightedMedian),
+        Preset::Balanced => semi_global(Finish::Median),
+        Preset::Best => semi_global(Finish::SupportWeights),
     }
 }
 

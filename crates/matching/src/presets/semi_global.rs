@@ -1,4 +1,4 @@
-//! The stages that `balanced` and `best` share, and the one in which they differ.
+//! The stages that `balanced` and `best` share, and those that only `best` has.
 //!
 //! `balanced`:
 #![doc = include_str!("balanced.md")]
@@ -6,120 +6,147 @@
 //! `best`:
 #![doc = include_str!("best.md")]
 
-use raster::{DisparityMap, Plane, Reason};
+use raster::{BoundingBox, DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
-use super::fast::{fill_rows, hole};
+use super::fast::hole;
 use crate::cost::SearchSpace;
-use crate::cost::hamming::CensusPair;
+use crate::cost::census_gradient::FeaturePair;
 use crate::kernels::level::Level;
 use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
+use crate::optimization::support_weights::{Looks, Pair, SupportWeights};
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::refinement::median::median_row;
-use crate::refinement::row_fill::fill_row;
+use crate::refinement::plane_fill::fill;
 use crate::refinement::speckle::Speckles;
-use crate::refinement::weighted_median::weighted_median;
-use crate::selection::cross_check::cross_check;
-use crate::selection::winner::{NONE, fraction, left_winners, right_winners};
+use crate::selection::cross_check::{ViewMap, cross_check};
+use crate::selection::winner::{
+    NONE, fraction, left_winners, margin, right_fraction, right_winners,
+};
 use crate::{Holes, MatchError};
 
-/// What changes of disparity cost, in differing census bits.
-const PENALTIES: Penalties = Penalties { p1: 12, p2: 75, p2_least: 30, fall: 1.5 };
-/// How far the two views may disagree, in pixels.
-const TOLERANCE: u16 = 1;
+/// What changes of disparity cost.
+const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
 /// Smaller groups of equal disparity are speckles.
 const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
 const GROUP_STEP: f32 = 1.0;
-/// Half the window of the plain median.
+/// Half the window of the last median, and of the one before planes are taken from a map.
 const MEDIAN_RADIUS: usize = 2;
-/// Half the window of the weighted median.
-const WEIGHTED_RADIUS: usize = 9;
+const FIRST_MEDIAN_RADIUS: usize = 1;
+/// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
+const SURROUNDINGS: usize = 32;
+/// A winner whose sum is so much below that of any other disparity has confidence 1/2.
+const HALF_SURE: f32 = 60.0;
+/// The confidence of a pixel that both cameras see, but that got its disparity from its neighbours.
+const MISMATCHED: f32 = 0.05;
 
-/// The last stage.
+/// What follows after the semi-global paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Smoothing {
-    /// Plain median: quick.
+pub(crate) enum Finish {
+    /// Holes filled, and a median.
     Median,
-    /// Weighted median: edges follow the image.
-    WeightedMedian,
+    /// Before that, both views take planes from their neighbourhood by adaptive support weights.
+    SupportWeights,
+}
+
+/// One view with everything that is done to it.
+#[derive(Default)]
+struct View {
+    map: ViewMap,
+    filled: Plane<f32>,
+    smooth: Plane<f32>,
+    looks: Looks,
+    weights: SupportWeights,
+    speckles: Speckles,
 }
 
 /// The stages and their memory.
 pub(crate) struct SemiGlobalMatching {
-    smoothing: Smoothing,
+    finish: Finish,
     level: Level,
-    grey: GreyBuffer,
+    buffer: GreyBuffer,
     images: [Plane<u16>; 2],
+    grey: [Plane<u8>; 2],
     guide: Plane<u8>,
-    census: CensusPair,
+    features: FeaturePair,
     optimizer: SemiGlobal,
     rows: Vec<Row>,
-    values: Plane<f32>,
-    reasons: Plane<Reason>,
+    /// The left view, and the right one as it looks in a mirror.
+    left: View,
+    right: View,
+    /// The looks of the other image, for each view.
+    others: [Looks; 2],
     confidence: Plane<f32>,
-    smooth: Plane<f32>,
-    speckles: Speckles,
 }
 
 /// What the selection says of one row.
 #[derive(Default)]
 struct Row {
-    left: Vec<u16>,
-    right: Vec<u16>,
+    winners: Vec<u16>,
+    right_winners: Vec<u16>,
     least: Vec<u16>,
-    pointed_at: Vec<bool>,
-    values: Vec<f32>,
-    reasons: Vec<Reason>,
+    left: Vec<f32>,
+    right: Vec<f32>,
+    confidence: Vec<f32>,
+}
+
+fn resize<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
+    buffer.clear();
+    buffer.resize(length, value);
 }
 
 impl Row {
-    /// Winners of both views, their check and fractions.
+    /// Disparities of both views; those of the right one in mirror order.
     fn select(&mut self, space: &SearchSpace, sums: &[u16]) {
-        fn resize<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
-            buffer.clear();
-            buffer.resize(length, value);
-        }
         let columns = space.columns();
-        resize(&mut self.left, columns, NONE);
-        resize(&mut self.right, space.width, NONE);
+        resize(&mut self.winners, columns, NONE);
+        resize(&mut self.right_winners, space.width, NONE);
         resize(&mut self.least, space.width, 0);
-        resize(&mut self.pointed_at, columns, false);
-        resize(&mut self.values, columns, f32::NAN);
-        resize(&mut self.reasons, columns, Reason::OccludedHole);
-        left_winners(space, sums, &mut self.left);
-        right_winners(space, sums, &mut self.least, &mut self.right);
-        let (left, right) = (&self.left, &self.right);
-        cross_check(space, left, right, TOLERANCE, &mut self.pointed_at, &mut self.reasons);
-        for (x, value) in self.values.iter_mut().enumerate() {
-            if self.reasons[x] == Reason::Matched {
-                let k = usize::from(left[x]);
+        resize(&mut self.left, columns, f32::NAN);
+        resize(&mut self.right, space.width, f32::NAN);
+        resize(&mut self.confidence, columns, 0.0);
+        left_winners(space, sums, &mut self.winners);
+        right_winners(space, sums, &mut self.least, &mut self.right_winners);
+        for (x, &k) in self.winners.iter().enumerate() {
+            if k != NONE {
+                let k = usize::from(k);
+                let candidates = space.candidates(space.first + x);
                 let sums = &sums[x * space.lanes..][..space.lanes];
-                let part = fraction(sums, k, space.candidates(space.first + x));
-                *value = (space.min + k as i32) as f32 + part;
+                let part = fraction(sums, k, candidates.clone());
+                self.left[x] = (space.min + k as i32) as f32 + part;
+                let margin = f32::from(margin(sums, k, candidates));
+                self.confidence[x] = margin / (margin + HALF_SURE);
+            }
+        }
+        for (x, &k) in self.right_winners.iter().enumerate() {
+            if k != NONE {
+                let part = right_fraction(space, sums, x, usize::from(k));
+                let mirrored = space.width - 1 - x;
+                self.right[mirrored] = (space.min + i32::from(k)) as f32 + part;
             }
         }
     }
 }
 
 impl SemiGlobalMatching {
-    pub fn new(smoothing: Smoothing, level: Level) -> Self {
+    pub fn new(finish: Finish, level: Level) -> Self {
         Self {
-            smoothing,
+            finish,
             level,
-            grey: GreyBuffer::default(),
+            buffer: GreyBuffer::default(),
             images: Default::default(),
+            grey: Default::default(),
             guide: Plane::default(),
-            census: CensusPair::default(),
+            features: FeaturePair::default(),
             optimizer: SemiGlobal::default(),
             rows: Vec::new(),
-            values: Plane::default(),
-            reasons: Plane::default(),
+            left: View::default(),
+            right: View::default(),
+            others: Default::default(),
             confidence: Plane::default(),
-            smooth: Plane::default(),
-            speckles: Speckles::default(),
         }
     }
 }
@@ -144,82 +171,147 @@ fn copy_grey(view: GreyView<'_>, image: &mut Plane<u16>) {
     }
 }
 
+/// The most significant byte of every sample.
+fn narrow(from: &Plane<u16>, to: &mut Plane<u8>) {
+    to.reset(from.columns(), from.rows(), 0);
+    for (to, &from) in to.samples_mut().iter_mut().zip(from.samples()) {
+        *to = (from >> 8) as u8;
+    }
+}
+
+fn median(values: &Plane<f32>, radius: usize, out: &mut Plane<f32>) {
+    let (columns, rows) = values.size();
+    out.reset(columns, rows, 0.0);
+    let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
+    rows.for_each(|(y, out)| median_row(values.samples(), columns, y, radius, out));
+}
+
+/// The part of the image that is matched to answer a box.
+fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> BoundingBox {
+    BoundingBox {
+        x0: bounds.x0.saturating_sub(SURROUNDINGS),
+        y0: bounds.y0.saturating_sub(SURROUNDINGS),
+        x1: (bounds.x1 + SURROUNDINGS).min(columns - 1),
+        y1: (bounds.y1 + SURROUNDINGS).min(rows - 1),
+    }
+}
+
+impl View {
+    fn begin(&mut self, first: usize, columns: usize, rows: usize) {
+        self.map.first = first;
+        self.map.values.reset(columns, rows, f32::NAN);
+        self.map.reasons.reset(columns, rows, Reason::OccludedHole);
+    }
+
+    /// Takes out what the other view does not confirm, and small groups.
+    fn check(&mut self, width: usize, other: &ViewMap) {
+        cross_check(width, &mut self.map, &other.values, other.first);
+        let ViewMap { values, reasons, .. } = &mut self.map;
+        self.speckles.remove(values, reasons, LEAST_GROUP, GROUP_STEP);
+    }
+
+    /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
+    fn refine(&mut self, frame: &Frame<'_>, other: &Looks) {
+        let (width, _) = frame.size();
+        fill(width, frame.range, &mut self.map, &mut self.filled);
+        median(&self.filled, FIRST_MEDIAN_RADIUS, &mut self.smooth);
+        let pair = Pair {
+            base: &self.looks,
+            other,
+            first: self.map.first,
+            least: frame.range.min() as f32,
+            most: frame.range.max() as f32,
+        };
+        self.weights.refine(&pair, &self.smooth, &mut self.map.values);
+    }
+}
+
+impl SemiGlobalMatching {
+    /// Disparities of both views by semi-global matching.
+    fn optimize(&mut self, space: &SearchSpace, work: BoundingBox) {
+        let [left, right] = &self.images;
+        let grey = [&self.grey[0], &self.grey[1]];
+        self.features.compute(self.level, [left, right], grey, work.y0, work.rows());
+        self.rows.resize_with(work.rows(), Row::default);
+        self.optimizer.run(
+            self.level,
+            &self.features.costs(self.level, space),
+            &self.guide,
+            &PENALTIES,
+            &mut self.rows,
+            |_, sums, row| row.select(space, sums),
+        );
+        for (y, row) in self.rows.iter().enumerate() {
+            self.left.map.values.row_mut(y).copy_from_slice(&row.left);
+            self.right.map.values.row_mut(y).copy_from_slice(&row.right);
+            self.confidence.row_mut(y).copy_from_slice(&row.confidence);
+        }
+    }
+
+    /// Sharpens both views: each takes planes from its neighbourhood.
+    fn sharpen(&mut self, frame: &Frame<'_>, work: BoundingBox) {
+        let (width, _) = frame.size();
+        let raw = self.left.map.clone();
+        self.left.check(width, &self.right.map);
+        self.right.check(width, &raw);
+        let [other_of_left, other_of_right] = &mut self.others;
+        self.left.looks.compute(&self.grey[0], work.y0, work.rows());
+        other_of_left.compute(&self.grey[1], work.y0, work.rows());
+        other_of_left.mirrored(&mut self.right.looks);
+        self.left.looks.mirrored(other_of_right);
+        self.left.refine(frame, other_of_left);
+        self.right.refine(frame, other_of_right);
+    }
+}
+
 impl Pipeline for SemiGlobalMatching {
     fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError> {
         let bounds = frame.bounds;
-        let (width, _) = frame.size();
-        let (columns, rows) = (bounds.columns(), bounds.rows());
-        for (image, grey) in [frame.left, frame.right].into_iter().zip(&mut self.images) {
-            copy_grey(self.grey.view(image), grey);
+        let (width, height) = frame.size();
+        let work = surroundings(bounds, (width, height));
+        let (columns, rows) = (work.columns(), work.rows());
+        for (i, image) in [frame.left, frame.right].into_iter().enumerate() {
+            copy_grey(self.buffer.view(image), &mut self.images[i]);
+            narrow(&self.images[i], &mut self.grey[i]);
         }
         self.guide.reset(columns, rows, 0);
         for y in 0..rows {
-            let from = &self.images[0].row(bounds.y0 + y)[bounds.x0..=bounds.x1];
-            for (to, &from) in self.guide.row_mut(y).iter_mut().zip(from) {
-                *to = (from / 257) as u8;
-            }
+            let from = &self.grey[0].row(work.y0 + y)[work.x0..=work.x1];
+            self.guide.row_mut(y).copy_from_slice(from);
         }
 
-        let mut space = SearchSpace::new(width, bounds, frame.range);
+        let mut space = SearchSpace::new(width, work, frame.range);
         space.lanes = padded(space.count);
-        self.values.reset(columns, rows, f32::NAN);
-        self.reasons.reset(columns, rows, Reason::OccludedHole);
+        self.left.begin(work.x0, columns, rows);
+        self.right.begin(0, width, rows);
         self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
-            let [left, right] = &self.images;
-            self.census.compute(self.level, [left, right], bounds.y0, rows);
-            self.rows.resize_with(rows, Row::default);
-            self.optimizer.run(
-                self.level,
-                &self.census.costs(&space),
-                &self.guide,
-                &PENALTIES,
-                &mut self.rows,
-                |_, sums, row| row.select(&space, sums),
-            );
-            for (y, row) in self.rows.iter().enumerate() {
-                self.values.row_mut(y).copy_from_slice(&row.values);
-                self.reasons.row_mut(y).copy_from_slice(&row.reasons);
+            self.optimize(&space, work);
+            if self.finish == Finish::SupportWeights {
+                self.sharpen(frame, work);
             }
-            self.speckles.remove(&mut self.values, &mut self.reasons, LEAST_GROUP, GROUP_STEP);
-            for (sure, value) in self.confidence.samples_mut().iter_mut().zip(self.values.samples())
-            {
-                *sure = if value.is_nan() { 0.0 } else { 1.0 };
-            }
-            for y in 0..rows {
-                fill_row(width, bounds.x0, self.values.row_mut(y), self.reasons.row_mut(y));
-            }
+            self.left.check(width, &self.right.map);
         }
-        let nowhere = frame.range.min().max(0).min(frame.range.max()) as f32;
-        fill_rows(&mut self.values, &mut self.reasons, (width, bounds), nowhere);
+        fill(width, frame.range, &mut self.left.map, &mut self.left.filled);
+        median(&self.left.filled, MEDIAN_RADIUS, &mut self.left.smooth);
 
-        match self.smoothing {
-            Smoothing::Median => {
-                self.smooth.reset(columns, rows, 0.0);
-                let values = self.values.samples();
-                self.smooth
-                    .samples_mut()
-                    .par_chunks_mut(columns)
-                    .enumerate()
-                    .for_each(|(y, out)| median_row(values, columns, y, MEDIAN_RADIUS, out));
-            }
-            Smoothing::WeightedMedian => weighted_median(
-                &self.values,
-                &self.reasons,
-                &self.guide,
-                WEIGHTED_RADIUS,
-                &mut self.smooth,
-            ),
-        }
-        for y in 0..rows {
-            let answered = bounds.x0..=bounds.x1;
-            let values = &mut map.values.row_mut(bounds.y0 + y)[answered.clone()];
-            values.copy_from_slice(self.smooth.row(y));
-            let reasons = &mut map.reasons.row_mut(bounds.y0 + y)[answered.clone()];
-            reasons.copy_from_slice(self.reasons.row(y));
-            map.confidence.row_mut(bounds.y0 + y)[answered].copy_from_slice(self.confidence.row(y));
-            if frame.holes == Holes::Keep {
-                for (value, reason) in values.iter_mut().zip(reasons) {
+        let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
+        for y in 0..bounds.rows() {
+            let from = dx..dx + bounds.columns();
+            let to = bounds.x0..=bounds.x1;
+            let values = &mut map.values.row_mut(bounds.y0 + y)[to.clone()];
+            values.copy_from_slice(&self.left.smooth.row(dy + y)[from.clone()]);
+            let reasons = &mut map.reasons.row_mut(bounds.y0 + y)[to.clone()];
+            reasons.copy_from_slice(&self.left.map.reasons.row(dy + y)[from.clone()]);
+            let confidence = &mut map.confidence.row_mut(bounds.y0 + y)[to];
+            confidence.copy_from_slice(&self.confidence.row(dy + y)[from]);
+            for ((value, reason), confidence) in values.iter_mut().zip(reasons).zip(confidence) {
+                match reason {
+                    Reason::Matched => {}
+                    Reason::MismatchedFilled => *confidence *= MISMATCHED,
+                    _ => *confidence = 0.0,
+                }
+                if frame.holes == Holes::Keep {
                     *reason = hole(*reason);
                     if !reason.has_value() {
                         *value = f32::NAN;

@@ -2,6 +2,6 @@
 
 pub(crate) mod groups;
 pub(crate) mod median;
+pub(crate) mod plane_fill;
 pub(crate) mod row_fill;
 pub(crate) mod speckle;
-pub(crate) mod weighted_median;

@@ -1,69 +1,96 @@
-//! The check of the left view against the right one, and what a failure means.
+//! The check of one view against the other, and what a failure means.
 //!
-//! A match is confirmed when the right pixel it points at points back, within `tolerance`:
-//! `|k(x) - k'(x - d)| <= tolerance`. A pixel that fails is *mismatched* when some right pixel does
+//! A match is confirmed when the pixel it points at in the other view points back, within
+//! [`TOLERANCE`] pixels. A pixel that fails is *mismatched* when some pixel of the other view does
 //! point at it (it is seen by both cameras, only its match was wrong) and *occluded* when none does
 //! (Hirschmueller, *Stereo Processing by Semiglobal Matching and Mutual Information*, 2008,
 //! section 2.6).
+//!
+//! The right view is handled as it looks in a mirror: there its disparities also point to smaller
+//! columns, so whatever is written for the left view serves both.
 
-use raster::Reason;
+use raster::{Plane, Reason};
+use rayon::prelude::*;
 
-use crate::cost::SearchSpace;
-use crate::selection::winner::NONE;
+/// How far the two views may disagree, in pixels.
+const TOLERANCE: f32 = 1.0;
 
-/// Says for every column of the left row whether its winner is confirmed: [`Reason::Matched`], or
-/// one of [`Reason::OccludedHole`] and [`Reason::MismatchedHole`]. `pointed_at` is scratch of the
-/// same length.
+/// A disparity map of some columns of a view; NaN where there is no disparity.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ViewMap {
+    /// The column of the image at which the map begins, in the mirror for the right view.
+    pub first: usize,
+    pub values: Plane<f32>,
+    pub reasons: Plane<Reason>,
+}
+
+/// Confirms the matches of `view` by those of `other`: writes `view.reasons`, and NaN where it does
+/// not. `width` is that of both images.
 pub(crate) fn cross_check(
-    space: &SearchSpace,
-    left: &[u16],
-    right: &[u16],
-    tolerance: u16,
-    pointed_at: &mut [bool],
-    reasons: &mut [Reason],
+    width: usize,
+    view: &mut ViewMap,
+    other: &Plane<f32>,
+    other_first: usize,
 ) {
-    pointed_at.fill(false);
-    for (x, &k) in right.iter().enumerate() {
-        if k != NONE {
-            let target = x as i64 + i64::from(space.min) + i64::from(k);
-            pointed_at[(target - space.first as i64) as usize] = true;
-        }
-    }
-    let reach = usize::from(tolerance);
-    let last = left.len() - 1;
-    for (x, (&k, reason)) in left.iter().zip(reasons).enumerate() {
-        let confirmed = k != NONE && {
-            let back = right[space.right_column(space.first + x, usize::from(k))];
-            back.abs_diff(k) <= tolerance
-        };
-        *reason = if confirmed {
-            Reason::Matched
-        } else if pointed_at[x.saturating_sub(reach)..=(x + reach).min(last)].contains(&true) {
-            Reason::MismatchedHole
-        } else {
-            Reason::OccludedHole
-        };
-    }
+    let columns = view.values.columns();
+    let first = view.first as f32;
+    // A column of one view, seen from the other, which stands in the mirror.
+    let mirrored = (width - 1) as f32;
+    let rows = view.values.samples_mut().par_chunks_mut(columns);
+    rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate().for_each_init(
+        Vec::new,
+        |pointed_at, (y, (values, reasons))| {
+            let other = other.row(y);
+            pointed_at.clear();
+            pointed_at.resize(columns + 2, false);
+            for (u, &d) in other.iter().enumerate() {
+                // The column that this one points at, and one to each side.
+                let target = mirrored - ((u + other_first) as f32 - d) - first;
+                if target >= 0.0 && target <= (columns - 1) as f32 {
+                    pointed_at[target.round() as usize + 1] = true;
+                }
+            }
+            for (x, (value, reason)) in values.iter_mut().zip(reasons).enumerate() {
+                let target = mirrored - (first + x as f32 - *value) - other_first as f32;
+                let back = if target > -0.5 && target < other.len() as f32 - 0.5 {
+                    other[target.round() as usize]
+                } else {
+                    f32::NAN
+                };
+                *reason = if (back - *value).abs() <= TOLERANCE {
+                    Reason::Matched
+                } else if pointed_at[x..x + 3].contains(&true) {
+                    Reason::MismatchedHole
+                } else {
+                    Reason::OccludedHole
+                };
+                if *reason != Reason::Matched {
+                    *value = f32::NAN;
+                }
+            }
+        },
+    );
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raster::{BoundingBox, DisparityRange};
 
     #[test]
     fn confirmed_mismatched_and_occluded_are_told_apart() {
-        let range = DisparityRange::new(0, 7).unwrap();
-        let space = SearchSpace::new(8, BoundingBox::whole(8, 1), range);
-        // Right 0 points at left 3, right 1 at left 1, right 4 at left 7.
-        let right = [3, 0, NONE, NONE, 3, NONE, NONE, NONE];
-        let left = [0, 0, NONE, 3, 2, 1, 0, 4];
-        let mut reasons = [Reason::OutsideBox; 8];
-        cross_check(&space, &left, &right, 0, &mut [false; 8], &mut reasons);
+        const NONE: f32 = f32::NAN;
+        // Right 0 points at left 3, right 1 at left 1, right 6 at left 7.
+        let right = [3.0, 0.0, NONE, NONE, NONE, NONE, 1.0, NONE];
+        let mirror: Vec<f32> = right.into_iter().rev().collect();
+        let mirror = Plane::new(8, 1, mirror).unwrap();
+        let values = Plane::new(8, 1, vec![0.0, 0.4, NONE, 3.0, 2.0, 5.0, 1.0, 4.0]).unwrap();
+        let reasons = Plane::filled(8, 1, Reason::OutsideBox);
+        let mut view = ViewMap { first: 0, values, reasons };
+        cross_check(8, &mut view, &mirror, 0);
         use Reason::{Matched as M, MismatchedHole as X, OccludedHole as O};
-        assert_eq!(reasons, [O, M, O, M, O, O, O, X]);
-        // A tolerance of one pixel forgives left 7 its disparity 3 + 1 only where right 3 agrees.
-        cross_check(&space, &left, &right, 1, &mut [false; 8], &mut reasons);
-        assert_eq!(reasons, [X, M, X, M, X, O, X, X]);
+        // Left 2 and 4 stand beside what is pointed at; left 5 lands on right 0, which says 3.
+        assert_eq!(view.reasons.row(0), [X, M, X, M, X, O, X, X]);
+        assert_eq!(view.values.row(0)[1], 0.4);
+        assert!(view.values.row(0)[7].is_nan());
     }
 }

@@ -58,6 +58,28 @@ pub(crate) fn fraction(costs: &[u16], winner: usize, candidates: std::ops::Range
     if rise > 0.0 { (before - after) / (2.0 * rise) } else { 0.0 }
 }
 
+/// The fraction of right column `x` whose winner is `winner`: its costs lie along a diagonal.
+pub(crate) fn right_fraction(space: &SearchSpace, costs: &[u16], x: usize, winner: usize) -> f32 {
+    let column = (x as i64 + i64::from(space.min) + winner as i64) as usize - space.first;
+    if winner == 0 || column == 0 || winner + 1 >= space.count || column + 1 >= space.columns() {
+        return 0.0;
+    }
+    let at = column * space.lanes + winner;
+    let diagonal = [at - space.lanes - 1, at, at + space.lanes + 1].map(|i| costs[i]);
+    fraction(&diagonal, 1, 0..3)
+}
+
+/// How much the winner's cost lies below that of any disparity but its neighbours.
+pub(crate) fn margin(costs: &[u16], winner: usize, candidates: std::ops::Range<usize>) -> u16 {
+    let before = &costs[candidates.start..winner.saturating_sub(1).max(candidates.start)];
+    let after = &costs[(winner + 2).min(candidates.end)..candidates.end];
+    let least = |costs: &[u16]| costs.iter().copied().fold(u16::MAX, u16::min);
+    match least(before).min(least(after)) {
+        u16::MAX => 0,
+        second => second - costs[winner],
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,25 @@
+//! The grey step along the row: the derivative that a disparity does not change.
+
+/// `I(x + 1) - I(x - 1)`, clamped to plus and minus 127, as `128 + step`. The row's ends are
+/// repeated.
+pub(crate) fn steps_along_row(row: &[u8], steps: &mut [u8]) {
+    let last = row.len() - 1;
+    for (x, step) in steps.iter_mut().enumerate() {
+        let (before, after) = (row[x.saturating_sub(1)], row[(x + 1).min(last)]);
+        *step = (i16::from(after) - i16::from(before)).clamp(-127, 127).wrapping_add(128) as u8;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_case_worked_by_hand() {
+        let mut steps = [0; 5];
+        steps_along_row(&[10, 20, 15, 255, 0], &mut steps);
+        assert_eq!(steps, [138, 133, 255, 113, 1]);
+        steps_along_row(&[9], &mut steps[..1]);
+        assert_eq!(steps[0], 128);
+    }
+}

@@ -1,0 +1,219 @@
+//! Holes filled from the surfaces beside them.
+//!
+//! * **Between two ends of one surface** (they differ by little, and by less than the hole is wide)
+//!   the disparity runs straight from one to the other.
+//! * **Otherwise something nearer hides the rest**, and the hole belongs to what lies behind: the
+//!   smaller of the two ends wins (Hirschmueller 2008). Where nothing points at the pixel (it is
+//!   occluded), and at the ends of a row, both ends are continued along their planes, since a wall
+//!   that is seen at an angle goes on at this angle; a mismatched pixel takes the value as it is.
+//!
+//! The plane at a hole's end is a robust fit ([`slope_along_row`]). Rows without any value take
+//! those of the nearest row.
+
+use raster::{DisparityRange, Plane, Reason};
+use rayon::prelude::*;
+
+use super::row_fill::{copy_nearest_rows, filled};
+use crate::selection::cross_check::ViewMap;
+
+/// Ends of a hole that differ by no more, in pixels, may be of one surface ...
+const ONE_SURFACE: f32 = 3.0;
+/// ... if the hole is so many times wider than they differ: an occlusion is about as wide as the
+/// step of disparity beside it.
+const WIDER: f32 = 2.0;
+/// Surfaces steeper than this are not continued at their slope.
+const STEEPEST: f32 = 0.5;
+/// A plane is continued over at most so many columns, and is flat from there on.
+const FARTHEST: f32 = 100.0;
+
+/// Half the window of a plane fit, in pixels, and the distance of its samples.
+const FIT_RADIUS: usize = 20;
+const FIT_STEP: usize = 2;
+/// Pulls slopes of small supports towards zero: added to the variance of the columns.
+const RIDGE: f32 = 5.0;
+/// Samples farther from the plane than this do not count, in pixels.
+const OUTLIER: f32 = 1.5;
+/// A fit with less support keeps what it has.
+const LEAST_SUPPORT: f32 = 5.0;
+
+/// By how much the disparity changes from column to column on the surface that pixel `(x, y)` lies
+/// on: a plane is fitted to the disparities around it, four times, each time to those near the
+/// plane before (Tukey's biweight). NaN values do not count.
+fn slope_along_row(values: &Plane<f32>, x: usize, y: usize) -> f32 {
+    let (columns, rows) = values.size();
+    let here = values.row(y)[x];
+    let (mut along, mut down, mut offset) = (0.0f32, 0.0f32, 0.0f32);
+    let start = |at: usize| at % FIT_STEP + (at - at % FIT_STEP).saturating_sub(FIT_RADIUS);
+    for round in 0..4 {
+        let (outlier, growth) = if round == 0 { (OUTLIER, 0.04) } else { (0.7 * OUTLIER, 0.01) };
+        // Weighted sums of 1, x, y, z and of their products.
+        let [mut s, mut sx, mut sy, mut sz] = [0.0f32; 4];
+        let [mut sxx, mut sxy, mut syy, mut sxz, mut syz] = [0.0f32; 5];
+        for v in (start(y)..=(y + FIT_RADIUS).min(rows - 1)).step_by(FIT_STEP) {
+            let dy = v as f32 - y as f32;
+            let row = values.row(v);
+            for u in (start(x)..=(x + FIT_RADIUS).min(columns - 1)).step_by(FIT_STEP) {
+                let dx = u as f32 - x as f32;
+                let z = row[u] - here;
+                let off = (z - along * dx - down * dy - offset).abs();
+                let limit = outlier + growth * (dx.abs() + dy.abs());
+                // Also leaves out NaN.
+                if off < limit {
+                    let w = 1.0 - (off / limit).powi(2);
+                    let w = w * w;
+                    s += w;
+                    sx += w * dx;
+                    sy += w * dy;
+                    sz += w * z;
+                    sxx += w * dx * dx;
+                    sxy += w * dx * dy;
+                    syy += w * dy * dy;
+                    sxz += w * dx * z;
+                    syz += w * dy * z;
+                }
+            }
+        }
+        if s < LEAST_SUPPORT {
+            break;
+        }
+        let (mx, my, mz) = (sx / s, sy / s, sz / s);
+        let (xx, yy) = (sxx / s - mx * mx + RIDGE, syy / s - my * my + RIDGE);
+        let (xy, xz, yz) = (sxy / s - mx * my, sxz / s - mx * mz, syz / s - my * mz);
+        let determinant = xx * yy - xy * xy;
+        along = (xz * yy - yz * xy) / determinant;
+        down = (yz * xx - xz * xy) / determinant;
+        offset = mz - along * mx - down * my;
+    }
+    along.clamp(-STEEPEST, STEEPEST)
+}
+
+/// An end of a hole, and the plane there.
+#[derive(Clone, Copy)]
+struct End {
+    column: f32,
+    value: f32,
+    slope: f32,
+}
+
+impl End {
+    fn of(values: &Plane<f32>, x: usize, y: usize, occluded: bool) -> Self {
+        let slope = if occluded { slope_along_row(values, x, y) } else { 0.0 };
+        Self { column: x as f32, value: values.row(y)[x], slope }
+    }
+
+    fn continued(self, column: f32) -> f32 {
+        self.value + self.slope * (column - self.column).clamp(-FARTHEST, FARTHEST)
+    }
+}
+
+/// Fills the holes of `view` into `out`; its reasons become `..Filled`. Every value lies in `range`.
+pub(crate) fn fill(width: usize, range: DisparityRange, view: &mut ViewMap, out: &mut Plane<f32>) {
+    let (columns, rows) = view.values.size();
+    out.reset(columns, rows, f32::NAN);
+    let (first, values) = (view.first, &view.values);
+    let (least, most) = (range.min() as f32, range.max() as f32);
+    let reasons = view.reasons.samples_mut().par_chunks_mut(columns);
+    out.samples_mut().par_chunks_mut(columns).zip(reasons).enumerate().for_each(
+        |(y, (out, reasons))| {
+            let row = values.row(y);
+            out.copy_from_slice(row);
+            let mut x = 0;
+            while x < columns {
+                if !row[x].is_nan() {
+                    x += 1;
+                    continue;
+                }
+                let end = row[x..].iter().position(|v| !v.is_nan()).map_or(columns, |n| x + n);
+                let hole = x..end;
+                x = end;
+                let inner = hole.start > 0 && end < columns;
+                let hidden = !inner || reasons[hole.clone()].contains(&Reason::OccludedHole);
+                let before = (hole.start > 0).then(|| End::of(values, hole.start - 1, y, hidden));
+                let after = (end < columns).then(|| End::of(values, end, y, hidden));
+                for u in hole.clone() {
+                    let column = u as f32;
+                    let occluded = !inner || reasons[u] == Reason::OccludedHole;
+                    let at = |end: End| if occluded { end.continued(column) } else { end.value };
+                    let value = match (before, after) {
+                        (Some(before), Some(after)) => {
+                            let step = after.value - before.value;
+                            if step.abs() <= ONE_SURFACE && WIDER * step.abs() <= hole.len() as f32
+                            {
+                                let part = column - before.column;
+                                before.value + step * part / (after.column - before.column)
+                            } else {
+                                at(before).min(at(after))
+                            }
+                        }
+                        (Some(end), None) | (None, Some(end)) => at(end),
+                        (None, None) => return,
+                    };
+                    out[u] = value.clamp(least, most);
+                    reasons[u] = filled(width, first + u, out[u], reasons[u]);
+                }
+            }
+        },
+    );
+    let nowhere = range.min().max(0).min(range.max()) as f32;
+    let reasons = &mut view.reasons;
+    copy_nearest_rows(out.samples_mut(), columns, f32::is_nan, nowhere, |y, row| {
+        for ((x, &value), reason) in (first..).zip(row).zip(reasons.row_mut(y)) {
+            *reason = filled(width, x, value, *reason);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HOLE: f32 = f32::NAN;
+
+    fn view(values: Plane<f32>) -> ViewMap {
+        let reasons =
+            values.map(|v| if v.is_nan() { Reason::OccludedHole } else { Reason::Matched });
+        ViewMap { first: 0, values, reasons }
+    }
+
+    fn filled_rows(view: &mut ViewMap) -> Plane<f32> {
+        let mut out = Plane::default();
+        fill(60, DisparityRange::new(0, 50).unwrap(), view, &mut out);
+        out
+    }
+
+    #[test]
+    fn a_slanted_wall_goes_on_at_its_slope() {
+        // d = 10 + 0.2 x; the first 15 columns are missing. Constant, it would be off by 3.
+        let wall = |x: usize| 10.0 + 0.2 * x as f32;
+        let mut view = view(Plane::from_fn(60, 30, |x, _| if x < 15 { HOLE } else { wall(x) }));
+        let out = filled_rows(&mut view);
+        for x in 0..15 {
+            assert!((out.row(12)[x] - wall(x)).abs() < 0.5, "column {x}: {}", out.row(12)[x]);
+        }
+        assert_eq!(view.reasons.row(12)[3], Reason::OutsideRightFilled);
+        assert_eq!(view.reasons.row(12)[14], Reason::OccludedFilled);
+    }
+
+    #[test]
+    fn what_lies_behind_fills_an_occlusion_and_one_surface_runs_through() {
+        let value = |x: usize| match x {
+            20..28 => HOLE,
+            40..50 => HOLE,
+            28..40 => 12.0,
+            50.. => 13.0,
+            _ => 4.0,
+        };
+        let mut view = view(Plane::from_fn(60, 30, |x, _| value(x)));
+        let out = filled_rows(&mut view);
+        assert!((out.row(9)[24] - 4.0).abs() < 0.1);
+        assert!((out.row(9)[45] - (12.0 + 6.0 / 11.0)).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_row_of_holes_takes_its_neighbour_and_no_value_at_all_the_least() {
+        let mut one = view(Plane::from_fn(5, 3, |_, y| if y == 1 { 7.0 } else { HOLE }));
+        assert!(filled_rows(&mut one).samples().iter().all(|&v| v == 7.0));
+        let mut none = view(Plane::from_fn(5, 3, |_, _| HOLE));
+        assert!(filled_rows(&mut none).samples().iter().all(|&v| v == 0.0));
+    }
+}
