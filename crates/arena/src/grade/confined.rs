@@ -100,6 +100,16 @@ impl Workplace {
     }
 }
 
+impl Drop for Workplace {
+    /// Removes everything, however deep the entrant nested it.
+    fn drop(&mut self) {
+        if fs::remove_dir_all(self.root.path()).is_err() && cfg!(unix) {
+            // The library keeps a file open for each level and may run out of them; `rm` does not.
+            let _ = Command::new("rm").arg("-rf").arg("--").arg(self.root.path()).status();
+        }
+    }
+}
+
 /// An engine process, ready for its job.
 pub(super) struct Confined {
     session: Session,

@@ -7,7 +7,7 @@
 //!
 //! Some calls depend on their arguments: `clone` may make threads and no processes, `kill` and
 //! `tgkill` reach the process itself and nobody else, `prctl` and `ioctl` do a few harmless things,
-//! limits may be read and not set. Modes, owners, times and attributes of files cannot be changed
+//! limits may be read and not set, folders must be readable by their owner. Modes, owners, times and attributes of files cannot be changed
 //! at all, because Landlock does not guard them.
 
 use std::collections::BTreeMap;
@@ -64,7 +64,6 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_faccessat2,
     libc::SYS_fchdir,
     libc::SYS_getcwd,
-    libc::SYS_mkdirat,
     libc::SYS_newfstatat,
     libc::SYS_openat,
     libc::SYS_openat2,
@@ -74,7 +73,6 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_statfs,
     libc::SYS_statx,
     libc::SYS_truncate,
-    libc::SYS_umask,
     libc::SYS_unlinkat,
     // Waiting.
     libc::SYS_clock_nanosleep,
@@ -161,7 +159,6 @@ const ALLOWED_HERE: &[c_long] = &[
     libc::SYS_getpgrp,
     libc::SYS_getrlimit,
     libc::SYS_lstat,
-    libc::SYS_mkdir,
     libc::SYS_open,
     libc::SYS_pause,
     libc::SYS_pipe,
@@ -232,8 +229,20 @@ const REFUSED_HERE: &[c_long] = &[
 const REFUSED_HERE: &[c_long] = &[];
 
 /// Refused with `EPERM` for some of their arguments, allowed for the others.
-const JUDGED_BY_ARGUMENTS: &[c_long] =
-    &[libc::SYS_clone, libc::SYS_kill, libc::SYS_prlimit64, libc::SYS_tgkill];
+const JUDGED_BY_ARGUMENTS: &[c_long] = &[
+    libc::SYS_clone,
+    libc::SYS_kill,
+    libc::SYS_mkdirat,
+    libc::SYS_prlimit64,
+    libc::SYS_tgkill,
+    libc::SYS_umask,
+];
+
+/// As [`JUDGED_BY_ARGUMENTS`], older names.
+#[cfg(target_arch = "x86_64")]
+const JUDGED_BY_ARGUMENTS_HERE: &[c_long] = &[libc::SYS_mkdir];
+#[cfg(not(target_arch = "x86_64"))]
+const JUDGED_BY_ARGUMENTS_HERE: &[c_long] = &[];
 
 /// Names, memory labels and questions.
 const PRCTL_OPTIONS: &[c_int] = &[
@@ -261,7 +270,8 @@ type Rules = BTreeMap<c_long, Vec<SeccompRule>>;
 /// Everything that does not fail with `ENOSYS`: what is refused with `EPERM` is among it.
 fn known() -> Result<Rules, BackendError> {
     let equal = |index, value| when(index, SeccompCmpOp::Eq, value);
-    let mut rules: Rules = [ALLOWED, ALLOWED_HERE, JUDGED_BY_ARGUMENTS, REFUSED, REFUSED_HERE]
+    let judged = [JUDGED_BY_ARGUMENTS, JUDGED_BY_ARGUMENTS_HERE].concat();
+    let mut rules: Rules = [ALLOWED, ALLOWED_HERE, &judged, REFUSED, REFUSED_HERE]
         .concat()
         .into_iter()
         .map(|call| (call, Vec::new()))
@@ -284,6 +294,16 @@ fn refused(own_pid: u32) -> Result<Rules, BackendError> {
     // A new limit is a pointer: none is zero in all of its 64 bits.
     let some = SeccompCondition::new(2, SeccompCmpArgLen::Qword, SeccompCmpOp::Ne, 0)?;
     rules.insert(libc::SYS_prlimit64, vec![SeccompRule::new(vec![some])?]);
+    // A folder that its owner cannot list would hide what is in it, from the watch and from whoever
+    // removes it.
+    let missing =
+        |index| [0o100, 0o200, 0o400].map(|bit| when(index, SeccompCmpOp::MaskedEq(bit), 0));
+    let masked = [0o100, 0o200, 0o400].map(|bit| when(0, SeccompCmpOp::MaskedEq(bit), bit));
+    rules.insert(libc::SYS_mkdirat, missing(2).into_iter().collect::<Result<_, _>>()?);
+    for &call in JUDGED_BY_ARGUMENTS_HERE {
+        rules.insert(call, missing(1).into_iter().collect::<Result<_, _>>()?);
+    }
+    rules.insert(libc::SYS_umask, masked.into_iter().collect::<Result<_, _>>()?);
     Ok(rules)
 }
 
@@ -312,7 +332,8 @@ mod tests {
 
     #[test]
     fn no_call_is_both_allowed_and_refused() {
-        for call in [REFUSED, REFUSED_HERE, JUDGED_BY_ARGUMENTS].concat() {
+        for call in [REFUSED, REFUSED_HERE, JUDGED_BY_ARGUMENTS, JUDGED_BY_ARGUMENTS_HERE].concat()
+        {
             assert!(!ALLOWED.contains(&call) && !ALLOWED_HERE.contains(&call), "number {call}");
         }
     }

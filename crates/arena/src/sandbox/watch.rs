@@ -5,6 +5,7 @@
 //! killed; since it could start no other, it leaves nothing behind.
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -29,6 +30,8 @@ pub enum Excess {
     Bytes(u64, u64),
     /// Its folder held at least this many files and folders.
     Entries(u64),
+    /// Its folder could not be looked through: paths too long, or folders that hide their content.
+    Hidden(ErrorKind),
 }
 
 impl fmt::Display for Excess {
@@ -44,6 +47,7 @@ impl fmt::Display for Excess {
             Self::Entries(count) => {
                 write!(f, "it had created {count} files; {ENTRIES} are allowed")
             }
+            Self::Hidden(why) => write!(f, "it had created folders that cannot be read ({why})"),
         }
     }
 }
@@ -90,7 +94,7 @@ fn excess(threads: Option<u64>, content: Content, bytes: u64) -> Option<Excess> 
         Some(threads) if threads > THREADS => Some(Excess::Threads(threads)),
         _ if content.bytes > bytes => Some(Excess::Bytes(content.bytes, bytes)),
         _ if content.entries > ENTRIES => Some(Excess::Entries(content.entries)),
-        _ => None,
+        _ => content.hidden.map(Excess::Hidden),
     }
 }
 
@@ -98,6 +102,7 @@ fn excess(threads: Option<u64>, content: Content, bytes: u64) -> Option<Excess> 
 struct Content {
     bytes: u64,
     entries: u64,
+    hidden: Option<ErrorKind>,
 }
 
 /// What a folder holds, links not followed. Counting ends one entry past [`ENTRIES`], so that it
@@ -106,7 +111,19 @@ fn content(folder: &Path) -> Content {
     let mut total = Content::default();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
-        let Ok(entries) = std::fs::read_dir(folder) else { continue };
+        let entries = match std::fs::read_dir(folder) {
+            Ok(entries) => entries,
+            // Removed or replaced in the meantime.
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
+                continue;
+            }
+            Err(error) => {
+                total.hidden = Some(error.kind());
+                continue;
+            }
+        };
         for entry in entries.flatten() {
             total.entries += 1;
             if total.entries > ENTRIES {
@@ -208,11 +225,15 @@ mod tests {
     #[test]
     fn each_limit_has_its_message() {
         let text = |threads, bytes, entries| {
-            excess(Some(threads), Content { bytes, entries }, 1 << 20).map(|e| e.to_string())
+            let content = Content { bytes, entries, hidden: None };
+            excess(Some(threads), content, 1 << 20).map(|e| e.to_string())
         };
         assert_eq!(text(64, 1 << 20, 4096), None);
         assert!(text(65, 0, 0).unwrap().contains("65 threads; 64"));
         assert!(text(1, 3 << 20, 0).unwrap().contains("3 MiB to its folder; 1 MiB"));
         assert!(text(1, 0, 4097).unwrap().contains("4097 files"));
+        let hidden = Content { hidden: Some(ErrorKind::InvalidFilename), ..Content::default() };
+        let text = excess(Some(1), hidden, 1).unwrap().to_string();
+        assert!(text.contains("folders that cannot be read (invalid filename)"), "{text}");
     }
 }

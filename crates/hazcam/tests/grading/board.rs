@@ -113,7 +113,7 @@ fn entrants_are_ranked_renamed_and_removed() {
     assert_eq!(status, 2);
     assert!(stderr.contains("the secret ID `zwei` is taken"), "{stderr}");
     let text = course.done(&with(&["--matcher", "fast", "--owner", "him", "--secret-id", "Drei"]));
-    assert!(text.contains("in the place of him's earlier entry `Zwei`"), "{text}");
+    assert!(text.contains("in the place of the earlier entry `Zwei` of him"), "{text}");
     course.done(&["rename", "Drei", "Four"]);
     course.done(&["remove", "best"]);
     let table = course.done(&["show"]);
@@ -135,7 +135,7 @@ fn a_submission_is_entered_under_its_secret_id() {
     assert_eq!(status, 2);
     assert!(stderr.contains("no usable secret ID"), "{stderr}");
     let text = course.done(&with(&["alice", "--secret-id", "Ally"]));
-    assert!(text.contains("in the place of alice's earlier entry `Secret alice`"), "{text}");
+    assert!(text.contains("in the place of the earlier entry `Secret alice` of alice"), "{text}");
     // One that crashes on the hold-out is entered, without a place.
     let crash = "def NAME(Il, Ir, bbox, maxd):\n    assert maxd < 20\n    return Il * 0 + 5\n";
     let source = crash.replace("NAME", "stereo_disparity_best");

@@ -170,6 +170,7 @@ fn files_elsewhere_are_out_of_reach() {
         "open('../hidden/left.npy', 'w')".to_owned(),
         "open(sys.prefix + '/hazcam-test', 'w')".to_owned(),
         "os.mkfifo('pipe')".to_owned(),
+        "os.mkdir('hiding', 0o300)".to_owned(),
         "os.chroot('.')".to_owned(),
         "os.setuid(1)".to_owned(),
         "os.memfd_create('x')".to_owned(),
@@ -213,8 +214,21 @@ fn memory_and_disk_end_somewhere() {
             "RE or TO",
             &[],
         ),
+        ("os.umask(0o777)", "RE", &["OSError"]),
         ("keep = [open('f%d' % k, 'w') for k in range(100)]", "RE", &["too many files are open"]),
     ]);
+}
+
+#[test]
+fn folders_cannot_be_nested_out_of_sight() {
+    let nested = "for _ in range(1500):\n    os.mkdir('d')\n    os.chdir('d')\n";
+    let long = "for _ in range(40):\n    os.mkdir('d' * 250)\n    os.chdir('d' * 250)\n";
+    let Some(classroom) = Classroom::with_python() else { return };
+    // So deep that a process runs out of descriptors on the way: it is removed nevertheless.
+    classroom.grade_source(&attack(nested)).expect("OK", &[]);
+    let report = classroom.grade_source(&attack(&format!("{long}time.sleep(1)")));
+    report.expect("RE", &["folders that cannot be read"]);
+    classroom.expect_the_next_to_pass();
 }
 
 #[test]

@@ -81,7 +81,8 @@ pub fn summary(report: &Report) -> String {
 
 /// What was noticed before anything was run.
 pub fn findings(report: &[crate::submission::Finding]) -> String {
-    report.iter().map(|finding| format!("{finding}\n")).collect()
+    let text: String = report.iter().map(|finding| format!("{finding}\n")).collect();
+    text.lines().map(|line| format!("{}\n", printable(line))).collect()
 }
 
 /// CPU time, wall time, peak memory.
@@ -110,14 +111,18 @@ fn share(test: &TestResult) -> String {
 }
 
 fn indented(text: &str) -> String {
-    text.lines().map(|line| format!("       {line}\n")).collect()
+    text.lines().map(|line| format!("       {}\n", printable(line))).collect()
+}
+
+/// Without what would move the cursor or change colours: it comes from whoever is graded.
+fn printable(line: &str) -> String {
+    line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// A line that fits a screen; what a program prints may be one line of a megabyte.
 fn shortened(line: &str) -> String {
-    let printable: String =
-        line.chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect();
-    if line.chars().nth(160).is_some() { format!("{printable} ...") } else { printable }
+    let beginning: String = line.chars().take(160).collect();
+    if line.chars().nth(160).is_some() { format!("{beginning} ...") } else { beginning }
 }
 
 #[cfg(test)]
@@ -160,7 +165,15 @@ mod tests {
     fn what_was_printed_cannot_take_over_the_screen() {
         let mut test = super::super::tests::report().tests.remove(2);
         test.output = format!("\x1b[2J{}\n", "x".repeat(100_000));
+        test.message = Some("ValueError: \x1b]0;mine\x07".into());
         let text = ended(&test);
         assert!(text.len() < 1000 && !text.contains('\x1b'), "{text}");
+        let finding = crate::submission::Finding {
+            file: "a.py".into(),
+            line: None,
+            text: "two\nlines\x1b[2J".into(),
+            fatal: false,
+        };
+        assert_eq!(findings(&[finding]), "a.py: two\nlines [2J\n");
     }
 }

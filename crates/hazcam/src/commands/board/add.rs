@@ -105,7 +105,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     let before = match added {
         Added::New => String::new(),
-        Added::Replaced(before) => format!(", in the place of {owner}'s earlier entry `{before}`"),
+        Added::Replaced(before) => format!(", in the place of the earlier entry `{before}` of {owner}"),
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;
     Ok(ExitCode::SUCCESS)

@@ -101,6 +101,11 @@ impl Workshop {
                          scipy, or name it with --python"
                 .into()),
         };
+        if let Ok(python) = &python {
+            // Not what PATH finds: that may be a script which looks for Python where engines must
+            // not look.
+            programs.python = Some(python.executable.clone());
+        }
         let folder = tempfile::Builder::new()
             .prefix("hazcam-grade-")
             .tempdir()
