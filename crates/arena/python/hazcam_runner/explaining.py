@@ -20,6 +20,8 @@ def explain(error, folder):
     kind = "ML" if isinstance(error, MemoryError) else "RE"
     lines = _frames(error, folder)
     text = "{}: {}".format(type(error).__name__, error) if str(error) else type(error).__name__
+    # Where the submission lies while it is graded is no help.
+    text = text.replace(os.path.join(folder, ""), "")
     lines.append(text)
     hint = hints.for_error(error, text)
     if hint:

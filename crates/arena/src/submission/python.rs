@@ -48,6 +48,11 @@ impl Python {
     pub fn find(program: &Path) -> Result<Self, SubmissionError> {
         let shown = program.display();
         let remedy = "install Python 3.8 or newer with numpy and scipy, or name it with --python";
+        // A bare name is looked for on PATH, anything else from here.
+        let program = match program.components().count() {
+            1 => program.to_owned(),
+            _ => std::path::absolute(program).unwrap_or_else(|_| program.to_owned()),
+        };
         let output = Command::new(program)
             .args(["-B", "-c", ASK])
             // Not from a folder in which a module of that name may lie.

@@ -239,7 +239,7 @@ fn mistakes_are_named() {
     for (arguments, words) in [
         (vec!["show"], "there is no board board.sqlite: `hazcam board add` begins one"),
         (vec!["show", "--board", "notes.txt"], "notes.txt is no leaderboard"),
-        (vec!["add"], "required"),
+        (vec!["add"], "name a submission"),
         (with(&["--matcher", "fast", "--secret-id", "abc"]), "`abc` cannot be a secret ID"),
         (with(&["--matcher", "fast", "--owner", ""]), "cannot name an owner"),
         (vec!["add", "--matcher", "fast", "--holdout", "none.toml"], "none.toml"),

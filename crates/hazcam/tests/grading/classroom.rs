@@ -57,7 +57,7 @@ def NAME(Il, Ir, bbox, maxd):
 /// The folder. `TMPDIR` points into it, so that what grading leaves behind can be seen.
 pub struct Classroom {
     folder: TempDir,
-    python: Option<PathBuf>,
+    pub python: Option<PathBuf>,
 }
 
 impl Classroom {

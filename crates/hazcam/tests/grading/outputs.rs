@@ -67,6 +67,16 @@ fn the_status_says_when_points_are_missing_or_the_grader_failed() {
     let (status, stdout, _) = graded(&["--python", "/nonexistent/python"]);
     assert_eq!(status, 2);
     assert!(stdout.contains("XX") && stdout.contains("/nonexistent/python"), "{stdout}");
+    // A relative path is one from here.
+    let (_, stdout, _) = graded(&["--python", "./python"]);
+    assert!(stdout.contains("./python cannot be started"), "{stdout}");
+    #[cfg(unix)]
+    {
+        let python = classroom.python.as_ref().unwrap();
+        std::os::unix::fs::symlink(python, classroom.path("python")).unwrap();
+        let (status, stdout, _) = graded(&["--python", "./python"]);
+        assert_eq!(status, 0, "{stdout}");
+    }
     // Without data, the course's tests cannot be run: the grader's fault, with the remedy.
     let (status, stdout, _) = classroom.run(&["handin"]);
     assert_eq!(status, 2);
@@ -78,7 +88,8 @@ fn mistakes_on_the_command_line_are_named() {
     let Some(classroom) = Classroom::without_python() else { return };
     std::fs::write(classroom.path("bad.toml"), "name = 'x'\n[[test]]\nname = 'a'\n").unwrap();
     for (arguments, words) in [
-        (&[][..], "required"),
+        (&[][..], "name a submission, or engines with --matcher"),
+        (&["a", "--matcher", "fast"], "cannot be used with"),
         (&["nothing-here"], "there is no nothing-here: give a folder or a tar archive"),
         (&["--matcher", "fastest"], "there is no engine `fastest`"),
         (&["--matcher", "fast", "--scheme", "bad.toml"], "bad.toml: "),

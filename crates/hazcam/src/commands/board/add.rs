@@ -46,6 +46,7 @@ pub struct Args {
 
 /// Grades, showing each test as `grade` does, and enters the results.
 pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    args.entrant.check()?;
     let owner = args.owner.clone().unwrap_or_else(|| args.entrant.owner());
     if !is_owner(&owner) {
         bail!("`{owner}` cannot name an owner: give 1 to 200 printable characters with --owner");
@@ -105,7 +106,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     let before = match added {
         Added::New => String::new(),
-        Added::Replaced(before) => format!(", in the place of the earlier entry `{before}` of {owner}"),
+        Added::Replaced(before) => {
+            format!(", in the place of the earlier entry `{before}` of {owner}")
+        }
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;
     Ok(ExitCode::SUCCESS)

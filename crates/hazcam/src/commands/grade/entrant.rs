@@ -9,9 +9,11 @@ use arena::submission::Submission;
 
 use super::grading::Workshop;
 
+const NOBODY: &str = "name a submission, or engines with --matcher FAST:BEST";
+
 /// Who is graded.
 #[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("entrant").args(["submission", "matcher"]).required(true))]
+#[command(group = clap::ArgGroup::new("entrant").args(["submission", "matcher"]))]
 pub struct EntrantArguments {
     /// A folder or a tar archive (.tar, .tar.gz) with the three files of the course
     submission: Option<PathBuf>,
@@ -26,6 +28,14 @@ pub struct EntrantArguments {
 }
 
 impl EntrantArguments {
+    /// Errors at once when nobody is named, before anything is loaded.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if self.submission.is_none() && self.matcher.is_none() {
+            bail!(NOBODY);
+        }
+        Ok(())
+    }
+
     /// The engines' names, if it is engines.
     pub fn matcher(&self) -> Option<String> {
         self.matcher.clone()
@@ -70,7 +80,7 @@ impl EntrantArguments {
                     Entrant::engines(known.named(fast)?.clone(), known.named(best)?.clone());
                 Ok((matcher.clone(), engines))
             }
-            (None, None) => bail!("name a submission, or engines with --matcher"),
+            (None, None) => bail!(NOBODY),
         }
     }
 }

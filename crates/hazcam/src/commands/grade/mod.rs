@@ -75,6 +75,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.print(COURSE)?;
         return Ok(ExitCode::SUCCESS);
     }
+    args.entrant.check()?;
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
