@@ -14,8 +14,10 @@
 //! map that is right nearly everywhere). `rho` adds a 3 x 3 census, the grey steps and the grey
 //! values, each truncated: small windows, since the sum over `q` is the window.
 //!
-//! Only candidates that differ by [`CLEARLY_OTHER`] are tried, so the work is done along edges. All
-//! pixels look at the map as it was before: rows can be done in any order, by any number of threads.
+//! Only candidates that differ by [`CLEARLY_OTHER`] from what a pixel has are tried, so the work is
+//! done along edges. What it has may have changed a candidate ago: then its old surface, as the next
+//! neighbour has it, may win it back. All pixels look at the map as it was before: rows can be done
+//! in any order, by any number of threads.
 
 use raster::Plane;
 use rayon::prelude::*;
@@ -30,8 +32,6 @@ const SHADE: f32 = 10.0;
 const CLEARLY_OTHER: f32 = 2.0;
 /// By how much a candidate must fit better than what is there.
 const MARGIN: f32 = 2.0;
-/// Candidates this near to one that was tried before are the same.
-const TRIED: f32 = 0.5;
 /// Surfaces steeper than this do not count as such.
 const STEEPEST: f32 = 0.5;
 /// Where candidates come from.
@@ -159,42 +159,33 @@ impl SupportWeights {
         let weights: Vec<f32> = (0..256).map(|step| (-(step as f32) / SHADE).exp()).collect();
         let surfaces = &self.surfaces;
         out.reset(columns, rows, 0.0);
-        out.samples_mut().par_chunks_mut(columns).enumerate().for_each_init(
-            Vec::new,
-            |tried, (y, row)| {
-                for (x, result) in row.iter_mut().enumerate() {
-                    let here = surfaces.row(y)[x];
-                    *result = here.disparity;
-                    let mut least = None;
-                    tried.clear();
-                    for (dx, dy) in NEIGHBOURS {
-                        let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
-                        if u < 0 || v < 0 || u >= columns as i64 || v >= rows as i64 {
-                            continue;
-                        }
-                        let there = surfaces.row(v as usize)[u as usize];
-                        let moved = there.along * dx as f32 + there.down * dy as f32;
-                        let candidate = Surface { disparity: there.disparity - moved, ..there };
-                        let d = candidate.disparity;
-                        if (d - here.disparity).abs() < CLEARLY_OTHER
-                            || d < pair.least
-                            || d > pair.most
-                            || tried.iter().any(|t: &f32| (t - d).abs() < TRIED)
-                        {
-                            continue;
-                        }
-                        tried.push(d);
-                        let to_beat = *least
-                            .get_or_insert_with(|| pair.misfit(&weights, x, y, here) - MARGIN);
-                        let misfit = pair.misfit(&weights, x, y, candidate);
-                        if misfit < to_beat {
-                            least = Some(misfit);
-                            *result = d;
-                        }
+        out.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
+            for (x, result) in row.iter_mut().enumerate() {
+                let here = surfaces.row(y)[x];
+                *result = here.disparity;
+                let mut least = None;
+                for (dx, dy) in NEIGHBOURS {
+                    let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
+                    if u < 0 || v < 0 || u >= columns as i64 || v >= rows as i64 {
+                        continue;
+                    }
+                    let there = surfaces.row(v as usize)[u as usize];
+                    let moved = there.along * dx as f32 + there.down * dy as f32;
+                    let candidate = Surface { disparity: there.disparity - moved, ..there };
+                    let d = candidate.disparity;
+                    if (d - *result).abs() < CLEARLY_OTHER || d < pair.least || d > pair.most {
+                        continue;
+                    }
+                    let to_beat =
+                        *least.get_or_insert_with(|| pair.misfit(&weights, x, y, here) - MARGIN);
+                    let misfit = pair.misfit(&weights, x, y, candidate);
+                    if misfit < to_beat {
+                        least = Some(misfit);
+                        *result = d;
                     }
                 }
-            },
-        );
+            }
+        });
     }
 }
 
@@ -268,9 +259,9 @@ mod tests {
     /// A bright board at disparity 8 before a dark wall at 2, both textured.
     fn scene() -> (Plane<u8>, Plane<u8>, Plane<f32>) {
         let noise = |x: i64, y: usize| {
-            let seed = (x + 900) as u32 * 7919 ^ y as u32 * 104_729;
-            let mixed = (seed ^ seed >> 9).wrapping_mul(0x9E37_79B1);
-            (mixed ^ mixed >> 15).wrapping_mul(0x85EB_CA77) >> 16 & 31
+            let seed = ((x + 900) as u32 * 7919) ^ (y as u32 * 104_729);
+            let mixed = (seed ^ (seed >> 9)).wrapping_mul(0x9E37_79B1);
+            ((mixed ^ (mixed >> 15)).wrapping_mul(0x85EB_CA77) >> 16) & 31
         };
         let wall = |x: i64, y: usize| 30 + noise(x + 500, y) as u8;
         let board = |x: i64, y: usize| 180 + noise(x, y) as u8;
