@@ -15,9 +15,8 @@
 //! values, each truncated: small windows, since the sum over `q` is the window.
 //!
 //! Only candidates that differ by [`CLEARLY_OTHER`] from what a pixel has are tried, so the work is
-//! done along edges. What it has may have changed a candidate ago: then its old surface, as the next
-//! neighbour has it, may win it back. All pixels look at the map as it was before: rows can be done
-//! in any order, by any number of threads.
+//! done along edges; once one has won, all compete. All pixels look at the map as it was before: rows
+//! can be done in any order, by any number of threads.
 
 use raster::Plane;
 use rayon::prelude::*;
@@ -30,6 +29,8 @@ const RADIUS: usize = 5;
 const SHADE: f32 = 10.0;
 /// Candidates nearer to what is there, in pixels of disparity, are not tried.
 const CLEARLY_OTHER: f32 = 2.0;
+/// The same once a pixel has taken a plane: now all compete, that of its old surface included.
+const OTHER: f32 = 0.25;
 /// By how much a candidate must fit better than what is there.
 const MARGIN: f32 = 2.0;
 /// Surfaces steeper than this do not count as such.
@@ -164,6 +165,7 @@ impl SupportWeights {
                 let here = surfaces.row(y)[x];
                 *result = here.disparity;
                 let mut least = None;
+                let mut different = CLEARLY_OTHER;
                 for (dx, dy) in NEIGHBOURS {
                     let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
                     if u < 0 || v < 0 || u >= columns as i64 || v >= rows as i64 {
@@ -173,7 +175,7 @@ impl SupportWeights {
                     let moved = there.along * dx as f32 + there.down * dy as f32;
                     let candidate = Surface { disparity: there.disparity - moved, ..there };
                     let d = candidate.disparity;
-                    if (d - *result).abs() < CLEARLY_OTHER || d < pair.least || d > pair.most {
+                    if (d - *result).abs() < different || d < pair.least || d > pair.most {
                         continue;
                     }
                     let to_beat =
@@ -182,6 +184,7 @@ impl SupportWeights {
                     if misfit < to_beat {
                         least = Some(misfit);
                         *result = d;
+                        different = OTHER;
                     }
                 }
             }
