@@ -21,6 +21,7 @@
 use raster::Plane;
 use rayon::prelude::*;
 
+use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
 
 /// Half the window.
@@ -69,6 +70,7 @@ struct Look {
 }
 
 impl Look {
+    #[inline(always)]
     fn cost(self, other: Look) -> f32 {
         let census = BIT * (self.census ^ other.census).count_ones();
         let step = self.step.abs_diff(other.step).min(LARGEST_STEP);
@@ -149,7 +151,13 @@ pub(crate) struct SupportWeights {
 
 impl SupportWeights {
     /// Lets every pixel of `values` (finite) take a neighbour's plane, into `out`.
-    pub fn refine(&mut self, pair: &Pair<'_>, values: &Plane<f32>, out: &mut Plane<f32>) {
+    pub fn refine(
+        &mut self,
+        level: Level,
+        pair: &Pair<'_>,
+        values: &Plane<f32>,
+        out: &mut Plane<f32>,
+    ) {
         let (columns, rows) = values.size();
         self.surfaces.reset(columns, rows, Surface::default());
         self.surfaces.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
@@ -158,68 +166,79 @@ impl SupportWeights {
             }
         });
         let weights: Vec<f32> = (0..256).map(|step| (-(step as f32) / SHADE).exp()).collect();
-        let surfaces = &self.surfaces;
         out.reset(columns, rows, 0.0);
-        out.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
-            for (x, result) in row.iter_mut().enumerate() {
-                let here = surfaces.row(y)[x];
-                *result = here.disparity;
-                let mut least = None;
-                let mut different = CLEARLY_OTHER;
-                for (dx, dy) in NEIGHBOURS {
-                    let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
-                    if u < 0 || v < 0 || u >= columns as i64 || v >= rows as i64 {
-                        continue;
-                    }
-                    let there = surfaces.row(v as usize)[u as usize];
-                    let moved = there.along * dx as f32 + there.down * dy as f32;
-                    let candidate = Surface { disparity: there.disparity - moved, ..there };
-                    let d = candidate.disparity;
-                    if (d - *result).abs() < different || d < pair.least || d > pair.most {
-                        continue;
-                    }
-                    let to_beat =
-                        *least.get_or_insert_with(|| pair.misfit(&weights, x, y, here) - MARGIN);
-                    let misfit = pair.misfit(&weights, x, y, candidate);
-                    if misfit < to_beat {
-                        least = Some(misfit);
-                        *result = d;
-                        different = OTHER;
-                    }
-                }
-            }
-        });
+        let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
+        rows.for_each(|(y, out)| refine_row(level, pair, &weights, &self.surfaces, y, out));
     }
 }
 
-impl Pair<'_> {
-    /// `m(p, f)` at pixel `(x, y)` of the map.
-    fn misfit(&self, weights: &[f32], x: usize, y: usize, surface: Surface) -> f32 {
-        let (columns, rows) = self.base.0.size();
-        let last = (columns - 1) as f32;
-        let centre = self.first + x;
-        let shade = self.base.0.row(y)[centre].grey;
-        let (mut sum, mut total) = (0.0, 0.0);
-        for v in y.saturating_sub(RADIUS)..=(y + RADIUS).min(rows - 1) {
-            let (base, other) = (self.base.0.row(v), self.other.0.row(v));
-            let at_centre = surface.disparity + surface.down * (v as f32 - y as f32);
-            for u in centre.saturating_sub(RADIUS)..=(centre + RADIUS).min(columns - 1) {
-                let look = base[u];
-                let weight = weights[usize::from(look.grey.abs_diff(shade))];
-                let d = at_centre + surface.along * (u as f32 - centre as f32);
-                let d = d.clamp(self.least, self.most);
-                // Between the costs of the two whole disparities beside it.
-                let below = d.floor();
-                let part = d - below;
-                let place = (u as f32 - below).clamp(0.0, last) as usize;
-                let beyond = (u as f32 - below - 1.0).clamp(0.0, last) as usize;
-                let (near, far) = (look.cost(other[place]), look.cost(other[beyond]));
-                sum += weight * (near + (far - near) * part);
-                total += weight;
+at_every_level! {
+    /// Lets the pixels of row `y` take their neighbours' planes.
+    fn refine_row(
+        pair: &Pair<'_>,
+        weights: &[f32],
+        surfaces: &Plane<Surface>,
+        y: usize,
+        out: &mut [f32],
+    ) {
+        let (columns, rows) = surfaces.size();
+        for (x, result) in out.iter_mut().enumerate() {
+            let here = surfaces.row(y)[x];
+            *result = here.disparity;
+            let mut least = f32::NAN;
+            let mut different = CLEARLY_OTHER;
+            for (dx, dy) in NEIGHBOURS {
+                let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
+                if u < 0 || v < 0 || u >= columns as i64 || v >= rows as i64 {
+                    continue;
+                }
+                let there = surfaces.row(v as usize)[u as usize];
+                let moved = there.along * dx as f32 + there.down * dy as f32;
+                let candidate = Surface { disparity: there.disparity - moved, ..there };
+                let d = candidate.disparity;
+                if (d - *result).abs() < different || d < pair.least || d > pair.most {
+                    continue;
+                }
+                if least.is_nan() {
+                    least = misfit(pair, weights, x, y, here) - MARGIN;
+                }
+                let misfit = misfit(pair, weights, x, y, candidate);
+                if misfit < least {
+                    (*result, least) = (d, misfit);
+                    different = OTHER;
+                }
             }
         }
-        sum / total
     }
+}
+
+/// `m(p, f)` at pixel `(x, y)` of the map.
+#[inline(always)]
+fn misfit(pair: &Pair<'_>, weights: &[f32], x: usize, y: usize, surface: Surface) -> f32 {
+    let (columns, rows) = pair.base.0.size();
+    let last = (columns - 1) as f32;
+    let centre = pair.first + x;
+    let shade = pair.base.0.row(y)[centre].grey;
+    let (mut sum, mut total) = (0.0, 0.0);
+    for v in y.saturating_sub(RADIUS)..=(y + RADIUS).min(rows - 1) {
+        let (base, other) = (pair.base.0.row(v), pair.other.0.row(v));
+        let at_centre = surface.disparity + surface.down * (v as f32 - y as f32);
+        for u in centre.saturating_sub(RADIUS)..=(centre + RADIUS).min(columns - 1) {
+            let look = base[u];
+            let weight = weights[usize::from(look.grey.abs_diff(shade))];
+            let d = at_centre + surface.along * (u as f32 - centre as f32);
+            let d = d.clamp(pair.least, pair.most);
+            // Between the costs of the two whole disparities beside it.
+            let below = d.floor();
+            let part = d - below;
+            let place = (u as f32 - below).clamp(0.0, last) as usize;
+            let beyond = (u as f32 - below - 1.0).clamp(0.0, last) as usize;
+            let (near, far) = (look.cost(other[place]), look.cost(other[beyond]));
+            sum += weight * (near + (far - near) * part);
+            total += weight;
+        }
+    }
+    sum / total
 }
 
 /// The plane at a pixel: slopes are the medians of differences over four pixels, in a 5 x 5 window.
@@ -286,10 +305,13 @@ mod tests {
         base.compute(&left, 0, 30);
         other.compute(&right, 0, 30);
         let pair = Pair { base: &base, other: &other, first: 0, least: 0.0, most: 15.0 };
-        let mut out = Plane::default();
-        SupportWeights::default().refine(&pair, &grown, &mut out);
-        for y in 0..30 {
-            assert_eq!(out.row(y)[20..], truth.row(y)[20..], "row {y}");
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            let mut out = Plane::default();
+            SupportWeights::default().refine(level, &pair, &grown, &mut out);
+            for y in 0..30 {
+                assert_eq!(out.row(y)[20..], truth.row(y)[20..], "row {y}");
+            }
         }
     }
 }

@@ -6,13 +6,14 @@
 //! `best`:
 #![doc = include_str!("best.md")]
 
-use raster::{BoundingBox, DisparityMap, Plane, Reason};
+use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
 use super::fast::hole;
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
 use crate::kernels::level::Level;
+use crate::kernels::median::median_of_5_rows;
 use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
@@ -22,6 +23,7 @@ use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
 use crate::refinement::speckle::Speckles;
 use crate::selection::cross_check::{ViewMap, cross_check};
+use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::{
     NONE, fraction, left_winners, margin, right_fraction, right_winners,
 };
@@ -33,9 +35,6 @@ const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5
 const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
 const GROUP_STEP: f32 = 1.0;
-/// Half the window of the last median, and of the one before planes are taken from a map.
-const MEDIAN_RADIUS: usize = 2;
-const FIRST_MEDIAN_RADIUS: usize = 1;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;
 /// A winner whose sum is so much below that of any other disparity has confidence 1/2.
@@ -80,6 +79,7 @@ pub(crate) struct SemiGlobalMatching {
     /// The looks of the other image, for each view.
     others: [Looks; 2],
     confidence: Plane<f32>,
+    steps: Plane<u16>,
 }
 
 /// What the selection says of one row.
@@ -147,6 +147,7 @@ impl SemiGlobalMatching {
             right: View::default(),
             others: Default::default(),
             confidence: Plane::default(),
+            steps: Plane::default(),
         }
     }
 }
@@ -179,11 +180,37 @@ fn narrow(from: &Plane<u16>, to: &mut Plane<u8>) {
     }
 }
 
-fn median(values: &Plane<f32>, radius: usize, out: &mut Plane<f32>) {
+/// The median of 3 x 3 pixels.
+fn small_median(values: &Plane<f32>, out: &mut Plane<f32>) {
     let (columns, rows) = values.size();
     out.reset(columns, rows, 0.0);
     let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
-    rows.for_each(|(y, out)| median_row(values.samples(), columns, y, radius, out));
+    rows.for_each(|(y, out)| median_row(values.samples(), columns, y, 1, out));
+}
+
+/// The median of 5 x 5 pixels, in fixed point: `steps` is scratch.
+fn median(
+    level: Level,
+    numbers: FixedPoint,
+    values: &Plane<f32>,
+    steps: &mut Plane<u16>,
+    out: &mut Plane<f32>,
+) {
+    let (columns, rows) = values.size();
+    steps.reset(columns, rows, 0);
+    out.reset(columns, rows, 0.0);
+    let to = steps.samples_mut().par_chunks_mut(columns).enumerate();
+    to.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
+    let steps = &*steps;
+    let rows_out = out.samples_mut().par_chunks_mut(columns).enumerate();
+    rows_out.for_each_init(
+        || vec![0; columns],
+        |medians, (y, out)| {
+            let near = std::array::from_fn(|i| steps.row((y + i).saturating_sub(2).min(rows - 1)));
+            median_of_5_rows(level, near, medians);
+            row_in_pixels(level, numbers, medians, out);
+        },
+    );
 }
 
 /// The part of the image that is matched to answer a box.
@@ -211,18 +238,17 @@ impl View {
     }
 
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    fn refine(&mut self, frame: &Frame<'_>, other: &Looks) {
-        let (width, _) = frame.size();
-        fill(width, frame.range, &mut self.map, &mut self.filled);
-        median(&self.filled, FIRST_MEDIAN_RADIUS, &mut self.smooth);
+    fn refine(&mut self, level: Level, width: usize, range: DisparityRange, other: &Looks) {
+        fill(width, range, &mut self.map, &mut self.filled);
+        small_median(&self.filled, &mut self.smooth);
         let pair = Pair {
             base: &self.looks,
             other,
             first: self.map.first,
-            least: frame.range.min() as f32,
-            most: frame.range.max() as f32,
+            least: range.min() as f32,
+            most: range.max() as f32,
         };
-        self.weights.refine(&pair, &self.smooth, &mut self.map.values);
+        self.weights.refine(level, &pair, &self.smooth, &mut self.map.values);
     }
 }
 
@@ -249,8 +275,7 @@ impl SemiGlobalMatching {
     }
 
     /// Sharpens both views: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, frame: &Frame<'_>, work: BoundingBox) {
-        let (width, _) = frame.size();
+    fn sharpen(&mut self, width: usize, range: DisparityRange, work: BoundingBox) {
         let raw = self.left.map.clone();
         self.left.check(width, &self.right.map);
         self.right.check(width, &raw);
@@ -259,8 +284,8 @@ impl SemiGlobalMatching {
         other_of_left.compute(&self.grey[1], work.y0, work.rows());
         other_of_left.mirrored(&mut self.right.looks);
         self.left.looks.mirrored(other_of_right);
-        self.left.refine(frame, other_of_left);
-        self.right.refine(frame, other_of_right);
+        self.left.refine(self.level, width, range, other_of_left);
+        self.right.refine(self.level, width, range, other_of_right);
     }
 }
 
@@ -282,18 +307,26 @@ impl Pipeline for SemiGlobalMatching {
 
         let mut space = SearchSpace::new(width, work, frame.range);
         space.lanes = padded(space.count);
+        // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
+        let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
+        let range = searched.unwrap_or(frame.range);
         self.left.begin(work.x0, columns, rows);
         self.right.begin(0, width, rows);
         self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
             self.optimize(&space, work);
             if self.finish == Finish::SupportWeights {
-                self.sharpen(frame, work);
+                self.sharpen(width, range, work);
             }
             self.left.check(width, &self.right.map);
         }
-        fill(width, frame.range, &mut self.left.map, &mut self.left.filled);
-        median(&self.left.filled, MEDIAN_RADIUS, &mut self.left.smooth);
+        let View { map: left, filled, smooth, .. } = &mut self.left;
+        fill(width, range, left, filled);
+        if space.count > 0 {
+            median(self.level, FixedPoint::new(&space), filled, &mut self.steps, smooth);
+        } else {
+            smooth.clone_from(filled);
+        }
 
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
         for y in 0..bounds.rows() {

@@ -53,6 +53,14 @@ impl FixedPoint {
 }
 
 at_every_level! {
+    /// A row of disparities, none below the smallest searched, to the nearest step.
+    pub(crate) fn row_in_steps(numbers: FixedPoint, pixels: &[f32], steps: &mut [u16]) {
+        let (min, scale) = (numbers.min as f32, f32::from(numbers.scale));
+        for (steps, &pixels) in steps.iter_mut().zip(pixels) {
+            *steps = ((pixels - min) * scale + 0.5) as i32 as u16;
+        }
+    }
+
     /// A row of disparities in pixels.
     pub(crate) fn row_in_pixels(numbers: FixedPoint, steps: &[u16], pixels: &mut [f32]) {
         for (pixels, &steps) in pixels.iter_mut().zip(steps) {
