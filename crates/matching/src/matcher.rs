@@ -1,6 +1,6 @@
 //! [`Matcher`]: built once from [`Options`], then fed frames.
 
-use raster::{BoundingBox, DisparityMap, DisparityRange, Image};
+use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
 use crate::presets;
 use crate::{Holes, MatchError, Options};
@@ -12,7 +12,6 @@ pub(crate) struct Frame<'a> {
     pub right: &'a Image,
     pub bounds: BoundingBox,
     pub range: DisparityRange,
-    pub holes: Holes,
 }
 
 impl Frame<'_> {
@@ -26,11 +25,31 @@ impl Frame<'_> {
 /// `rayon`'s parallel iterators use the threads that the options allow.
 pub(crate) trait Pipeline: Send {
     /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
+    /// Holes are filled, with reasons that say so.
     fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError>;
 }
 
-/// Matches pairs of images. It keeps its memory between frames: equal sizes allocate nothing
-/// after the first.
+/// Takes filled values out again, and says what each hole is.
+pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
+    for y in bounds.y0..=bounds.y1 {
+        let values = &mut map.values.row_mut(y)[bounds.x0..=bounds.x1];
+        let reasons = &mut map.reasons.row_mut(y)[bounds.x0..=bounds.x1];
+        for (value, reason) in values.iter_mut().zip(reasons) {
+            *reason = match *reason {
+                Reason::OccludedFilled => Reason::OccludedHole,
+                Reason::MismatchedFilled => Reason::MismatchedHole,
+                Reason::OutsideRightFilled => Reason::OutsideRightHole,
+                other => other,
+            };
+            if !reason.has_value() {
+                *value = f32::NAN;
+            }
+        }
+    }
+}
+
+/// Matches pairs of images. It keeps its memory between frames: with `fast`, equal sizes allocate
+/// nothing after the first.
 pub struct Matcher {
     options: Options,
     pool: rayon::ThreadPool,
@@ -82,11 +101,13 @@ impl Matcher {
         }
         let bounds = bounds.unwrap_or(BoundingBox::whole(columns, rows));
         bounds.check_within(columns, rows)?;
-        let (range, holes) = (self.options.range, self.options.holes);
-        let frame = Frame { left, right, bounds, range, holes };
+        let frame = Frame { left, right, bounds, range: self.options.range };
         self.map.reset(columns, rows);
         let (pipeline, map) = (&mut self.pipeline, &mut self.map);
         self.pool.install(|| pipeline.run(&frame, map))?;
+        if self.options.holes == Holes::Keep {
+            open_holes(map, bounds);
+        }
         Ok(&self.map)
     }
 }

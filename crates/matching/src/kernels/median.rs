@@ -9,6 +9,8 @@
 //! as many fall out below as above. Of the 13 that are left the median is the median of all: the
 //! least and the largest of as many as must hold it are dropped until one is left.
 
+use raster::Plane;
+
 use super::level::at_every_level;
 
 /// Pixels that are done together.
@@ -16,6 +18,11 @@ const BLOCK: usize = 64;
 /// Pixels to each side of the middle one.
 const REACH: usize = 2;
 const SIDE: usize = 2 * REACH + 1;
+
+/// Row `y` of a map between the two above and the two below it; beyond its ends they are repeated.
+pub(crate) fn rows_around(map: &Plane<u16>, y: usize) -> [&[u16]; SIDE] {
+    std::array::from_fn(|i| map.row((y + i).saturating_sub(REACH).min(map.rows() - 1)))
+}
 
 at_every_level! {
     /// The medians around the third of the rows, which are equally long.

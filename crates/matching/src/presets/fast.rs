@@ -3,18 +3,17 @@
 use raster::{DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
+use crate::MatchError;
 use crate::aggregation::window::SlidingWindow;
 use crate::cost::SearchSpace;
 use crate::kernels::level::Level;
-use crate::kernels::median::median_of_5_rows;
+use crate::kernels::median::{median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
 use crate::refinement::groups::{Groups, LARGEST};
-pub(super) use crate::refinement::row_fill::hole;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
 use crate::selection::fixed_point::{FixedPoint, HOLE, row_in_pixels};
-use crate::{Holes, MatchError};
 
 /// Neighbours of one group differ by at most so many pixels.
 const GROUP_STEP: f32 = 1.0;
@@ -76,9 +75,6 @@ impl Fast {
         }
         if self.fill_empty_rows(frame, numbers, map) {
             self.smooth(frame, numbers, height, map);
-        }
-        if frame.holes == Holes::Keep {
-            open_holes(frame, map);
         }
         Ok(())
     }
@@ -161,7 +157,7 @@ impl Fast {
     ) -> bool {
         let (bounds, (width, _)) = (frame.bounds, frame.size());
         let columns = bounds.columns();
-        let nowhere = frame.range.min().max(0).min(frame.range.max()) as f32;
+        let nowhere = 0.clamp(frame.range.min(), frame.range.max()) as f32;
         let reasons = &mut map.reasons;
         let values = self.disparities.samples_mut();
         copy_nearest_rows(
@@ -195,16 +191,13 @@ impl Fast {
         map: &mut DisparityMap,
     ) {
         let (bounds, (width, _), level) = (frame.bounds, frame.size(), self.level);
-        let (columns, rows) = (bounds.columns(), bounds.rows());
+        let columns = bounds.columns();
         let disparities = &self.disparities;
         let values = rows_of_box(frame, &mut map.values).par_chunks_mut(height * width);
         self.bands.par_iter_mut().zip(values).enumerate().for_each(|(i, (band, values))| {
             band.medians.resize(columns, 0);
             for (y, values) in (i * height..).zip(values.chunks_exact_mut(width)) {
-                let near = std::array::from_fn(|dy| {
-                    disparities.row((y + dy).saturating_sub(2).min(rows - 1))
-                });
-                median_of_5_rows(level, near, &mut band.medians);
+                median_of_5_rows(level, rows_around(disparities, y), &mut band.medians);
                 let values = &mut values[bounds.x0..=bounds.x1];
                 row_in_pixels(level, numbers, &band.medians, values);
             }
@@ -225,21 +218,11 @@ fn rows_of_box<'a, T>(frame: &Frame<'_>, plane: &'a mut Plane<T>) -> &'a mut [T]
     &mut plane.samples_mut()[bounds.y0 * columns..(bounds.y1 + 1) * columns]
 }
 
-/// Takes filled values out again.
-fn open_holes(frame: &Frame<'_>, map: &mut DisparityMap) {
-    for (value, reason) in
-        rows_of_box(frame, &mut map.values).iter_mut().zip(rows_of_box(frame, &mut map.reasons))
-    {
-        *reason = hole(*reason);
-        if !reason.has_value() {
-            *value = f32::NAN;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Holes;
+    use crate::matcher::open_holes;
     use raster::{BoundingBox, DisparityRange, Image};
 
     /// Something to match: a near square before a slanted wall, noise, and a blank corner.
@@ -284,14 +267,21 @@ mod tests {
         let range = DisparityRange::new(-3, 20).unwrap();
         for bounds in [BoundingBox::whole(101, 43), BoundingBox::new(7, 5, 90, 41).unwrap()] {
             for holes in [Holes::Fill, Holes::Keep] {
-                let frame = Frame { left: &left, right: &right, bounds, range, holes };
-                let expected = bits(&map(Level::available()[0], &frame, bounds.rows(), 1));
+                let frame = Frame { left: &left, right: &right, bounds, range };
+                let map = |level, height, threads| {
+                    let mut map = map(level, &frame, height, threads);
+                    if holes == Holes::Keep {
+                        open_holes(&mut map, bounds);
+                    }
+                    map
+                };
+                let expected = bits(&map(Level::available()[0], bounds.rows(), 1));
                 let matched = expected.iter().filter(|pixel| pixel.1 == Reason::Matched).count();
                 assert!(matched > 2000, "the scene is hard to match: {matched} pixels");
                 for level in Level::available() {
                     eprintln!("level {}", level.name());
                     for height in 1..=bounds.rows() {
-                        let found = bits(&map(level, &frame, height, 1 + height % 4));
+                        let found = bits(&map(level, height, 1 + height % 4));
                         assert!(found == expected, "{level:?}, bands of {height}, box {bounds}");
                     }
                 }
@@ -306,7 +296,7 @@ mod tests {
         for (columns, rows) in [(90, 40), (33, 12), (1, 1), (101, 43)] {
             let [left, right] = scene(columns, rows);
             let bounds = BoundingBox::whole(columns, rows);
-            let frame = Frame { left: &left, right: &right, bounds, range, holes: Holes::Fill };
+            let frame = Frame { left: &left, right: &right, bounds, range };
             found.reset(columns, rows);
             reused.run_in_bands(&frame, 7, &mut found).unwrap();
             let expected = map(Level::detect(), &frame, 7, 1);

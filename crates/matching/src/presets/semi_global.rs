@@ -9,11 +9,11 @@
 use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
-use super::fast::hole;
+use crate::MatchError;
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
 use crate::kernels::level::Level;
-use crate::kernels::median::median_of_5_rows;
+use crate::kernels::median::{median_of_5_rows, rows_around};
 use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
@@ -27,7 +27,6 @@ use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::{
     NONE, fraction, left_winners, margin, right_fraction, right_winners,
 };
-use crate::{Holes, MatchError};
 
 /// What changes of disparity cost.
 const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
@@ -93,41 +92,34 @@ struct Row {
     confidence: Vec<f32>,
 }
 
-fn resize<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
-    buffer.clear();
-    buffer.resize(length, value);
-}
-
 impl Row {
     /// Disparities of both views; those of the right one in mirror order.
     fn select(&mut self, space: &SearchSpace, sums: &[u16]) {
-        let columns = space.columns();
-        resize(&mut self.winners, columns, NONE);
-        resize(&mut self.right_winners, space.width, NONE);
-        resize(&mut self.least, space.width, 0);
-        resize(&mut self.left, columns, f32::NAN);
-        resize(&mut self.right, space.width, f32::NAN);
-        resize(&mut self.confidence, columns, 0.0);
+        self.winners.resize(space.columns(), NONE);
+        self.right_winners.resize(space.width, NONE);
+        self.least.resize(space.width, 0);
         left_winners(space, sums, &mut self.winners);
         right_winners(space, sums, &mut self.least, &mut self.right_winners);
+        let disparity = |k: u16, part: f32| (space.min + i32::from(k)) as f32 + part;
+        self.left.clear();
+        self.confidence.clear();
         for (x, &k) in self.winners.iter().enumerate() {
+            let (mut value, mut confidence) = (f32::NAN, 0.0);
             if k != NONE {
-                let k = usize::from(k);
                 let candidates = space.candidates(space.first + x);
                 let sums = &sums[x * space.lanes..][..space.lanes];
-                let part = fraction(sums, k, candidates.clone());
-                self.left[x] = (space.min + k as i32) as f32 + part;
-                let margin = f32::from(margin(sums, k, candidates));
-                self.confidence[x] = margin / (margin + HALF_SURE);
+                value = disparity(k, fraction(sums, usize::from(k), candidates.clone()));
+                let margin = f32::from(margin(sums, usize::from(k), candidates));
+                confidence = margin / (margin + HALF_SURE);
             }
+            self.left.push(value);
+            self.confidence.push(confidence);
         }
-        for (x, &k) in self.right_winners.iter().enumerate() {
-            if k != NONE {
-                let part = right_fraction(space, sums, x, usize::from(k));
-                let mirrored = space.width - 1 - x;
-                self.right[mirrored] = (space.min + i32::from(k)) as f32 + part;
-            }
-        }
+        self.right.clear();
+        self.right.extend(self.right_winners.iter().enumerate().rev().map(|(x, &k)| match k {
+            NONE => f32::NAN,
+            k => disparity(k, right_fraction(space, sums, x, usize::from(k))),
+        }));
     }
 }
 
@@ -152,31 +144,27 @@ impl SemiGlobalMatching {
     }
 }
 
-/// Grey at 16 bit, whatever its depth: census words only look at the order.
-fn copy_grey(view: GreyView<'_>, image: &mut Plane<u16>) {
-    match view {
-        GreyView::Depth8(view) => {
-            image.reset(view.columns(), view.rows(), 0);
-            for y in 0..view.rows() {
-                for (to, &from) in image.row_mut(y).iter_mut().zip(view.row(y)) {
-                    *to = u16::from(from) * 257;
-                }
+/// Grey at both depths: census words look at the order of all 16 bits, everything else at the
+/// upper 8.
+fn copy_grey(view: GreyView<'_>, wide: &mut Plane<u16>, narrow: &mut Plane<u8>) {
+    let (columns, rows) = match view {
+        GreyView::Depth8(view) => (view.columns(), view.rows()),
+        GreyView::Depth16(view) => (view.columns(), view.rows()),
+    };
+    wide.reset(columns, rows, 0);
+    narrow.reset(columns, rows, 0);
+    for y in 0..rows {
+        let (wide, narrow) = (wide.row_mut(y), narrow.row_mut(y));
+        match view {
+            GreyView::Depth8(view) => {
+                narrow.copy_from_slice(view.row(y));
+                wide.iter_mut().zip(narrow).for_each(|(to, from)| *to = u16::from(*from) * 257);
+            }
+            GreyView::Depth16(view) => {
+                wide.copy_from_slice(view.row(y));
+                narrow.iter_mut().zip(wide).for_each(|(to, from)| *to = (*from >> 8) as u8);
             }
         }
-        GreyView::Depth16(view) => {
-            image.reset(view.columns(), view.rows(), 0);
-            for y in 0..view.rows() {
-                image.row_mut(y).copy_from_slice(view.row(y));
-            }
-        }
-    }
-}
-
-/// The most significant byte of every sample.
-fn narrow(from: &Plane<u16>, to: &mut Plane<u8>) {
-    to.reset(from.columns(), from.rows(), 0);
-    for (to, &from) in to.samples_mut().iter_mut().zip(from.samples()) {
-        *to = (from >> 8) as u8;
     }
 }
 
@@ -185,7 +173,7 @@ fn small_median(values: &Plane<f32>, out: &mut Plane<f32>) {
     let (columns, rows) = values.size();
     out.reset(columns, rows, 0.0);
     let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
-    rows.for_each(|(y, out)| median_row(values.samples(), columns, y, 1, out));
+    rows.for_each(|(y, out)| median_row(values, y, out));
 }
 
 /// The median of 5 x 5 pixels, in fixed point: `steps` is scratch.
@@ -206,8 +194,7 @@ fn median(
     rows_out.for_each_init(
         || vec![0; columns],
         |medians, (y, out)| {
-            let near = std::array::from_fn(|i| steps.row((y + i).saturating_sub(2).min(rows - 1)));
-            median_of_5_rows(level, near, medians);
+            median_of_5_rows(level, rows_around(steps, y), medians);
             row_in_pixels(level, numbers, medians, out);
         },
     );
@@ -231,8 +218,8 @@ impl View {
     }
 
     /// Takes out what the other view does not confirm, and small groups.
-    fn check(&mut self, width: usize, other: &ViewMap) {
-        cross_check(width, &mut self.map, &other.values, other.first);
+    fn check(&mut self, width: usize, other: &Plane<f32>, other_first: usize) {
+        cross_check(width, &mut self.map, other, other_first);
         let ViewMap { values, reasons, .. } = &mut self.map;
         self.speckles.remove(values, reasons, LEAST_GROUP, GROUP_STEP);
     }
@@ -276,9 +263,12 @@ impl SemiGlobalMatching {
 
     /// Sharpens both views: each takes planes from its neighbourhood.
     fn sharpen(&mut self, width: usize, range: DisparityRange, work: BoundingBox) {
-        let raw = self.left.map.clone();
-        self.left.check(width, &self.right.map);
-        self.right.check(width, &raw);
+        // Both are checked against the other as it was.
+        let View { map, filled: raw, .. } = &mut self.left;
+        raw.reset(map.values.columns(), map.values.rows(), 0.0);
+        raw.samples_mut().copy_from_slice(map.values.samples());
+        self.left.check(width, &self.right.map.values, self.right.map.first);
+        self.right.check(width, &self.left.filled, self.left.map.first);
         let [other_of_left, other_of_right] = &mut self.others;
         self.left.looks.compute(&self.grey[0], work.y0, work.rows());
         other_of_left.compute(&self.grey[1], work.y0, work.rows());
@@ -296,8 +286,7 @@ impl Pipeline for SemiGlobalMatching {
         let work = surroundings(bounds, (width, height));
         let (columns, rows) = (work.columns(), work.rows());
         for (i, image) in [frame.left, frame.right].into_iter().enumerate() {
-            copy_grey(self.buffer.view(image), &mut self.images[i]);
-            narrow(&self.images[i], &mut self.grey[i]);
+            copy_grey(self.buffer.view(image), &mut self.images[i], &mut self.grey[i]);
         }
         self.guide.reset(columns, rows, 0);
         for y in 0..rows {
@@ -318,7 +307,7 @@ impl Pipeline for SemiGlobalMatching {
             if self.finish == Finish::SupportWeights {
                 self.sharpen(width, range, work);
             }
-            self.left.check(width, &self.right.map);
+            self.left.check(width, &self.right.map.values, self.right.map.first);
         }
         let View { map: left, filled, smooth, .. } = &mut self.left;
         fill(width, range, left, filled);
@@ -338,17 +327,11 @@ impl Pipeline for SemiGlobalMatching {
             reasons.copy_from_slice(&self.left.map.reasons.row(dy + y)[from.clone()]);
             let confidence = &mut map.confidence.row_mut(bounds.y0 + y)[to];
             confidence.copy_from_slice(&self.confidence.row(dy + y)[from]);
-            for ((value, reason), confidence) in values.iter_mut().zip(reasons).zip(confidence) {
+            for (reason, confidence) in reasons.iter().zip(confidence) {
                 match reason {
                     Reason::Matched => {}
                     Reason::MismatchedFilled => *confidence *= MISMATCHED,
                     _ => *confidence = 0.0,
-                }
-                if frame.holes == Holes::Keep {
-                    *reason = hole(*reason);
-                    if !reason.has_value() {
-                        *value = f32::NAN;
-                    }
                 }
             }
         }

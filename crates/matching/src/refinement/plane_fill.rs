@@ -154,7 +154,7 @@ pub(crate) fn fill(width: usize, range: DisparityRange, view: &mut ViewMap, out:
             }
         },
     );
-    let nowhere = range.min().max(0).min(range.max()) as f32;
+    let nowhere = 0.clamp(range.min(), range.max()) as f32;
     let reasons = &mut view.reasons;
     copy_nearest_rows(out.samples_mut(), columns, f32::is_nan, nowhere, |y, row| {
         for ((x, &value), reason) in (first..).zip(row).zip(reasons.row_mut(y)) {

@@ -132,16 +132,6 @@ impl Filling {
     }
 }
 
-/// What a filled pixel is when holes are kept.
-pub(crate) fn hole(reason: Reason) -> Reason {
-    match reason {
-        Reason::OccludedFilled => Reason::OccludedHole,
-        Reason::MismatchedFilled => Reason::MismatchedHole,
-        Reason::OutsideRightFilled => Reason::OutsideRightHole,
-        other => other,
-    }
-}
-
 /// The reason of a filled pixel.
 pub(crate) fn filled(width: usize, column: usize, value: f32, hole: Reason) -> Reason {
     let right = column as f32 - value;

@@ -18,6 +18,7 @@ use crate::cost::SearchSpace;
 use crate::kernels::level::at_every_level;
 use crate::kernels::sad::{Layout, OUT, Winners};
 use crate::selection::fixed_point::{FixedPoint, HOLE};
+use crate::selection::winner::tip_of_v;
 
 /// Adding and taking away this number rounds a float below it to a whole one, in two operations at
 /// every level.
@@ -69,7 +70,7 @@ fn valley(before: u16, least: u16, after: u16) -> Valley {
     let rise = higher - least;
     // No sum beside the winner at one end of the range: nothing is known there.
     let known = (higher < f32::from(OUT)) & (rise > 0.0);
-    let fraction = if known { (before - after) / (2.0 * rise) } else { 0.0 };
+    let fraction = if known { tip_of_v(before, least, after) } else { 0.0 };
     let confidence = if known { rise / higher } else { 0.0 };
     Valley { fraction, confidence }
 }

@@ -53,8 +53,15 @@ pub(crate) fn fraction(costs: &[u16], winner: usize, candidates: std::ops::Range
     if winner <= candidates.start || winner + 1 >= candidates.end {
         return 0.0;
     }
-    let [before, at, after] = [winner - 1, winner, winner + 1].map(|k| f32::from(costs[k]));
-    let rise = before.max(after) - at;
+    let [before, least, after] = [winner - 1, winner, winner + 1].map(|k| f32::from(costs[k]));
+    tip_of_v(before, least, after)
+}
+
+/// Where the tip of a V through three costs lies, the second of which is the least: 0 where all are
+/// equal.
+#[inline(always)]
+pub(crate) fn tip_of_v(before: f32, least: f32, after: f32) -> f32 {
+    let rise = before.max(after) - least;
     if rise > 0.0 { (before - after) / (2.0 * rise) } else { 0.0 }
 }
 
