@@ -19,9 +19,9 @@ use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::{Looks, Pair, SupportWeights};
 use crate::prepare::grey::{GreyBuffer, GreyView};
+use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
-use crate::refinement::speckle::Speckles;
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::{
@@ -50,6 +50,17 @@ pub(crate) enum Finish {
     SupportWeights,
 }
 
+/// What every stage after the paths needs to know.
+#[derive(Clone, Copy)]
+struct Search {
+    level: Level,
+    /// Columns of both images.
+    width: usize,
+    /// Disparities that are tried anywhere.
+    range: DisparityRange,
+    numbers: FixedPoint,
+}
+
 /// One view with everything that is done to it.
 #[derive(Default)]
 struct View {
@@ -58,7 +69,9 @@ struct View {
     smooth: Plane<f32>,
     looks: Looks,
     weights: SupportWeights,
-    speckles: Speckles,
+    groups: Groups,
+    /// The map in fixed point.
+    steps: Plane<u16>,
 }
 
 /// The stages and their memory.
@@ -78,7 +91,6 @@ pub(crate) struct SemiGlobalMatching {
     /// The looks of the other image, for each view.
     others: [Looks; 2],
     confidence: Plane<f32>,
-    steps: Plane<u16>,
 }
 
 /// What the selection says of one row.
@@ -139,7 +151,6 @@ impl SemiGlobalMatching {
             right: View::default(),
             others: Default::default(),
             confidence: Plane::default(),
-            steps: Plane::default(),
         }
     }
 }
@@ -176,6 +187,13 @@ fn small_median(values: &Plane<f32>, out: &mut Plane<f32>) {
     rows.for_each(|(y, out)| median_row(values, y, out));
 }
 
+/// A map in fixed point.
+fn in_steps(level: Level, numbers: FixedPoint, values: &Plane<f32>, steps: &mut Plane<u16>) {
+    steps.reset(values.columns(), values.rows(), 0);
+    let rows = steps.samples_mut().par_chunks_mut(values.columns()).enumerate();
+    rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
+}
+
 /// The median of 5 x 5 pixels, in fixed point: `steps` is scratch.
 fn median(
     level: Level,
@@ -185,10 +203,8 @@ fn median(
     out: &mut Plane<f32>,
 ) {
     let (columns, rows) = values.size();
-    steps.reset(columns, rows, 0);
+    in_steps(level, numbers, values, steps);
     out.reset(columns, rows, 0.0);
-    let to = steps.samples_mut().par_chunks_mut(columns).enumerate();
-    to.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
     let steps = &*steps;
     let rows_out = out.samples_mut().par_chunks_mut(columns).enumerate();
     rows_out.for_each_init(
@@ -218,14 +234,28 @@ impl View {
     }
 
     /// Takes out what the other view does not confirm, and small groups.
-    fn check(&mut self, width: usize, other: &Plane<f32>, other_first: usize) {
+    fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) {
+        let Search { level, numbers, width, .. } = search;
         cross_check(width, &mut self.map, other, other_first);
         let ViewMap { values, reasons, .. } = &mut self.map;
-        self.speckles.remove(values, reasons, LEAST_GROUP, GROUP_STEP);
+        let (columns, rows) = values.size();
+        in_steps(level, numbers, values, &mut self.steps);
+        let step = numbers.steps(GROUP_STEP);
+        let height = rows.div_ceil(rayon::current_num_threads());
+        self.groups.find(level, self.steps.samples(), columns, step, height);
+        for y in 0..rows {
+            for (run, size) in self.groups.runs(y) {
+                if size < LEAST_GROUP {
+                    values.row_mut(y)[run.clone()].fill(f32::NAN);
+                    reasons.row_mut(y)[run].fill(Reason::MismatchedHole);
+                }
+            }
+        }
     }
 
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    fn refine(&mut self, level: Level, width: usize, range: DisparityRange, other: &Looks) {
+    fn refine(&mut self, search: Search, other: &Looks) {
+        let Search { level, width, range, .. } = search;
         fill(width, range, &mut self.map, &mut self.filled);
         small_median(&self.filled, &mut self.smooth);
         let pair = Pair {
@@ -262,20 +292,20 @@ impl SemiGlobalMatching {
     }
 
     /// Sharpens both views: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, width: usize, range: DisparityRange, work: BoundingBox) {
+    fn sharpen(&mut self, search: Search, work: BoundingBox) {
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
         raw.samples_mut().copy_from_slice(map.values.samples());
-        self.left.check(width, &self.right.map.values, self.right.map.first);
-        self.right.check(width, &self.left.filled, self.left.map.first);
+        self.left.check(search, &self.right.map.values, self.right.map.first);
+        self.right.check(search, &self.left.filled, self.left.map.first);
         let [other_of_left, other_of_right] = &mut self.others;
         self.left.looks.compute(&self.grey[0], work.y0, work.rows());
         other_of_left.compute(&self.grey[1], work.y0, work.rows());
         other_of_left.mirrored(&mut self.right.looks);
         self.left.looks.mirrored(other_of_right);
-        self.left.refine(self.level, width, range, other_of_left);
-        self.right.refine(self.level, width, range, other_of_right);
+        self.left.refine(search, other_of_left);
+        self.right.refine(search, other_of_right);
     }
 }
 
@@ -299,20 +329,21 @@ impl Pipeline for SemiGlobalMatching {
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
+        let search = Search { level: self.level, width, range, numbers: FixedPoint::new(&space) };
         self.left.begin(work.x0, columns, rows);
         self.right.begin(0, width, rows);
         self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
             self.optimize(&space, work);
             if self.finish == Finish::SupportWeights {
-                self.sharpen(width, range, work);
+                self.sharpen(search, work);
             }
-            self.left.check(width, &self.right.map.values, self.right.map.first);
+            self.left.check(search, &self.right.map.values, self.right.map.first);
         }
-        let View { map: left, filled, smooth, .. } = &mut self.left;
+        let View { map: left, filled, smooth, steps, .. } = &mut self.left;
         fill(width, range, left, filled);
         if space.count > 0 {
-            median(self.level, FixedPoint::new(&space), filled, &mut self.steps, smooth);
+            median(self.level, search.numbers, filled, steps, smooth);
         } else {
             smooth.clone_from(filled);
         }

@@ -4,4 +4,3 @@ pub(crate) mod groups;
 pub(crate) mod median;
 pub(crate) mod plane_fill;
 pub(crate) mod row_fill;
-pub(crate) mod speckle;

@@ -53,11 +53,13 @@ impl FixedPoint {
 }
 
 at_every_level! {
-    /// A row of disparities, none below the smallest searched, to the nearest step.
+    /// A row of disparities, none below the smallest searched, to the nearest step; NaN becomes a
+    /// [`HOLE`].
     pub(crate) fn row_in_steps(numbers: FixedPoint, pixels: &[f32], steps: &mut [u16]) {
         let (min, scale) = (numbers.min as f32, f32::from(numbers.scale));
         for (steps, &pixels) in steps.iter_mut().zip(pixels) {
-            *steps = ((pixels - min) * scale + 0.5) as i32 as u16;
+            let nearest = ((pixels - min) * scale + 0.5) as i32 as u16;
+            *steps = if pixels.is_nan() { HOLE } else { nearest };
         }
     }
 
