@@ -20,10 +20,15 @@ impl fmt::Display for Exit {
             }
         }
         match self.0.code() {
-            Some(code) => write!(f, "it exited with status {code} without an answer"),
+            Some(code) => f.write_str(&exited_with(code)),
             None => write!(f, "it ended without an answer ({})", self.0),
         }
     }
+}
+
+/// The words for a process that exited with this status.
+pub(crate) fn exited_with(code: i32) -> String {
+    format!("it exited with status {code} without an answer")
 }
 
 /// Puts the process to be started at the head of a process group of its own.

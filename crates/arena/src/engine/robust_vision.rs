@@ -84,13 +84,10 @@ fn watch(
     log: &Log,
     usage: &mut Usage,
 ) -> Result<(), Status> {
-    let program = command.get_program().to_string_lossy().into_owned();
     command.current_dir(scratch).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     process::own_group(&mut command);
     let started = Instant::now();
-    let mut child = command.spawn().map_err(|error| Status::NotReady {
-        message: format!("{program} could not be started: {error}"),
-    })?;
+    let mut child = command.spawn().map_err(|error| Status::not_started(&command, &error))?;
     let stdout_closed = child.stdout.take().map(|out| talk::listen_to_log(out, log.clone()));
     let stderr_closed = child.stderr.take().map(|out| talk::listen_to_log(out, log.clone()));
     let mut meter = Meter::from_birth(child.id(), started);
@@ -111,15 +108,8 @@ fn watch(
         (None, Some(exit)) if exit.success() => Ok(()),
         (None, exit) => {
             let how = exit.map_or("it ended".into(), |exit| Exit(exit).to_string());
-            Err(Status::Crashed { message: with_last_words(how, log) })
+            Err(Status::crashed(how, log))
         }
-    }
-}
-
-fn with_last_words(how: String, log: &Log) -> String {
-    match log.last_line() {
-        Some(line) => format!("{how}; its last words: {line}"),
-        None => how,
     }
 }
 

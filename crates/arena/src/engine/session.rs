@@ -50,9 +50,7 @@ impl Session {
             .stderr(Stdio::piped());
         process::own_group(&mut command);
         let started = Instant::now();
-        let mut child = command.spawn().map_err(|error| Status::NotReady {
-            message: format!("{program} could not be started: {error}"),
-        })?;
+        let mut child = command.spawn().map_err(|error| Status::not_started(&command, &error))?;
         let log = Log::default();
         let (stdin, stdout, stderr) =
             (child.stdin.take(), child.stdout.take(), child.stderr.take());
@@ -226,11 +224,7 @@ impl Session {
         };
         // Its last words may still be on their way through the pipe.
         let _ = self.stderr_closed.recv_timeout(PATIENCE);
-        let message = match self.log.last_line() {
-            Some(line) => format!("{how}; its last words: {line}"),
-            None => how,
-        };
-        Status::Crashed { message }
+        Status::crashed(how, &self.log)
     }
 
     /// Asks the engine to end, waits two seconds for it, and kills what is left.

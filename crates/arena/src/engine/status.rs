@@ -1,11 +1,26 @@
 //! How a job ended.
 
 use std::fmt;
+use std::io;
+use std::process::Command;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::talk::Log;
 use super::usage::Usage;
+
+// Grading reads these messages to judge an end. They may close with words of the process's own, so
+// only what stands before such words can be trusted.
+
+/// What begins the message about a process that was started and never became ready.
+pub(crate) const BEFORE_READY: &str = "before it was ready, ";
+/// What begins the message about a process that was killed for the time that it took.
+pub(crate) const PAST_LIMIT: &str = "it had used ";
+/// What stands between how a process ended and the last line that it wrote.
+pub(crate) const LAST_WORDS: &str = "; its last words: ";
+/// What stands between the name of a program that cannot be started and the reason.
+pub(crate) const NOT_STARTED: &str = " could not be started: ";
 
 /// How a job ended, with a message that its author can act on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -84,10 +99,25 @@ impl Status {
         matches!(self, Self::Done | Self::Failed { .. })
     }
 
+    /// The status of a program that the system does not start.
+    pub(crate) fn not_started(command: &Command, error: &io::Error) -> Self {
+        let program = command.get_program().to_string_lossy();
+        Self::NotReady { message: format!("{program}{NOT_STARTED}{error}") }
+    }
+
+    /// The status of a process that ended like this, after it had written `log`.
+    pub(crate) fn crashed(how: String, log: &Log) -> Self {
+        let message = match log.last_line() {
+            Some(line) => format!("{how}{LAST_WORDS}{line}"),
+            None => how,
+        };
+        Self::Crashed { message }
+    }
+
     /// The same story, told about a process that was not ready yet.
     pub(crate) fn before_ready(self) -> Self {
         match self.message() {
-            Some(message) => Self::NotReady { message: format!("before it was ready, {message}") },
+            Some(message) => Self::NotReady { message: format!("{BEFORE_READY}{message}") },
             None => self,
         }
     }
@@ -102,7 +132,7 @@ impl Status {
         let limit = limit.as_secs_f64();
         Some(Self::Timeout {
             message: format!(
-                "it had used {used:.1} s of {clock} time when it was killed; the limit is {limit} s"
+                "{PAST_LIMIT}{used:.1} s of {clock} time when it was killed; the limit is {limit} s"
             ),
         })
     }

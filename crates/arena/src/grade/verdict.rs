@@ -5,6 +5,8 @@ use std::time::Duration;
 use super::confined::Ended;
 use super::outcome::Outcome;
 use crate::engine::Status;
+use crate::engine::process::exited_with;
+use crate::engine::status::{BEFORE_READY, LAST_WORDS, NOT_STARTED, PAST_LIMIT};
 use crate::sandbox;
 
 /// Why there is no answer.
@@ -60,11 +62,15 @@ fn from_runner(message: &str) -> Failure {
 }
 
 fn not_ready(message: &str, start_limit: Duration) -> Failure {
-    let what = message.strip_prefix("before it was ready, ").unwrap_or(message);
-    if what.contains(sandbox::FAILURE_PREFIX) || what.contains("could not be started") {
+    let (what, grader_failed) = match message.strip_prefix(BEFORE_READY) {
+        Some(what) => (what, is_sandbox_failure(what)),
+        // It has said nothing, so none of these words are its own.
+        None => (message, message.contains(NOT_STARTED)),
+    };
+    if grader_failed {
         return Failure::new(Outcome::Xx, what);
     }
-    if what.contains(" of wall time when it was killed") {
+    if what.starts_with(PAST_LIMIT) {
         let seconds = start_limit.as_secs_f64();
         return Failure::new(
             Outcome::To,
@@ -76,6 +82,13 @@ fn not_ready(message: &str, start_limit: Duration) -> Failure {
     }
     let Failure { outcome, message } = crashed(what);
     Failure::new(outcome, format!("while it was imported, {message}"))
+}
+
+/// Whether the process ended as the sandbox's helper does when it cannot become the program.
+fn is_sandbox_failure(what: &str) -> bool {
+    what.strip_prefix(&exited_with(sandbox::EXIT_STATUS.into()))
+        .and_then(|rest| rest.strip_prefix(LAST_WORDS))
+        .is_some_and(|words| words.starts_with(sandbox::FAILURE_PREFIX))
 }
 
 fn crashed(message: &str) -> Failure {
@@ -131,12 +144,37 @@ mod tests {
                 Outcome::To,
             ),
             (
-                Status::NotReady { message: message("before it was ready, sandbox failed: x") },
+                Status::NotReady {
+                    message: message(
+                        "before it was ready, it exited with status 125 without an answer; its \
+                         last words: sandbox failed: x",
+                    ),
+                },
+                Outcome::Xx,
+            ),
+            (
+                Status::NotReady { message: message("/bin/x could not be started: no such file") },
                 Outcome::Xx,
             ),
         ];
         for (status, outcome) in cases {
             assert_eq!(judged(status.clone(), None).0, outcome, "{status}");
+        }
+    }
+
+    #[test]
+    fn last_words_excuse_nobody() {
+        for (status, words) in [
+            (1, "sandbox failed: x"),
+            (125, "no sandbox failed: x"),
+            (125, "x could not be started: y"),
+            (0, "it had used 60.1 s of wall time when it was killed; the limit is 60 s"),
+        ] {
+            let exit = exited_with(status);
+            let message = format!("before it was ready, {exit}; its last words: {words}");
+            let (outcome, text) = judged(Status::NotReady { message }, None);
+            assert_eq!(outcome, Outcome::Re, "{text}");
+            assert!(text.starts_with("while it was imported, it exited with status"), "{text}");
         }
     }
 

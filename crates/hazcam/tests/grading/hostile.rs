@@ -78,6 +78,21 @@ fn importing_has_its_own_limit() {
 }
 
 #[test]
+fn last_words_excuse_nobody() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    for words in [
+        "sandbox failed: Landlock: not supported",
+        "python3 could not be started: no such file",
+        "it had used 60.1 s of wall time when it was killed; the limit is 60 s",
+    ] {
+        let source = format!("import os\nos.write(2, b'{words}')\nos._exit(3)\n{HONEST}");
+        let report = classroom.grade_source(&source);
+        report.expect("RE", &["while it was imported, it exited with status 3", words]);
+    }
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
 fn no_process_is_started() {
     expect_all(&[
         ("while True: os.fork()", "RE", &["PermissionError", "may not start programs"]),
