@@ -33,6 +33,6 @@ pub use entry::{Entry, is_owner};
 pub use error::BoardError;
 pub use holdout::Holdout;
 pub use listing::table;
-pub use picture::Picture;
+pub use picture::{Picture, SceneTruth};
 pub use standing::{BONUS, Standing, holdout_score, standings};
-pub use store::{Added, Board, SceneTruth};
+pub use store::{Added, Board};

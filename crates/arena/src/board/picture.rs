@@ -37,9 +37,21 @@ impl Picture {
     }
 }
 
-/// The truth of a scene in the colours of [`Picture::disparity`], as PNG.
-pub(super) fn truth(scene: &Scene) -> Option<Vec<u8>> {
-    picture::png_rgb(&turbo(&cropped(&scene.truth, scene), scene)).ok()
+/// The true disparities of a test's scene within its box, as PNG.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneTruth {
+    /// The test's name.
+    pub test: String,
+    /// In the colours of [`Picture::disparity`].
+    pub truth: Vec<u8>,
+}
+
+impl SceneTruth {
+    /// Draws the truth of the scene that the test of this name is on.
+    pub fn of(test: &str, scene: &Scene) -> Option<Self> {
+        let truth = picture::png_rgb(&turbo(&cropped(&scene.truth, scene), scene)).ok()?;
+        Some(Self { test: test.to_owned(), truth })
+    }
 }
 
 /// Disparities of the box in the range of its truth.

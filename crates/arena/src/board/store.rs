@@ -15,9 +15,8 @@ use rusqlite::{
 use super::entry::Entry;
 use super::error::BoardError;
 use super::holdout::Holdout;
-use super::picture::{self, Picture};
+use super::picture::{Picture, SceneTruth};
 use super::schema::{self, Kind, VERSION};
-use crate::grade::Scene;
 use crate::submission::is_secret_id;
 
 /// How long a writer waits for others.
@@ -39,23 +38,14 @@ pub enum Added {
     Replaced(String),
 }
 
-/// The true disparities of a test's scene, as PNG.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SceneTruth {
-    /// The test's name.
-    pub test: String,
-    /// In the colours of [`Picture::disparity`].
-    pub truth: Vec<u8>,
-}
-
 impl Board {
     /// Opens the board at `path`.
     pub fn open(path: &Path) -> Result<Self, BoardError> {
         if !path.exists() {
             return Err(BoardError::Missing { path: path.to_owned() });
         }
-        let mut board = Self::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-        board.check(|_| Err(rusqlite::Error::QueryReturnedNoRows))?;
+        let mut board = Self::connect(path)?;
+        board.check(None)?;
         Ok(board)
     }
 
@@ -68,33 +58,24 @@ impl Board {
     ) -> Result<Self, BoardError> {
         create_private(path)
             .map_err(|source| BoardError::Create { path: path.to_owned(), source })?;
-        let mut board = Self::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-        let text = serde_json::to_string(holdout).expect("a hold-out is plain data");
-        board.check(|connection| {
-            schema::create(connection)?;
-            connection.execute(
-                "INSERT INTO board (one, holdout, fingerprint) VALUES (1, ?, ?)",
-                params![text, fingerprint],
-            )?;
-            Ok(())
-        })?;
+        let mut board = Self::connect(path)?;
+        board.check(Some((holdout, fingerprint)))?;
         Ok(board)
     }
 
-    fn connect(path: &Path, flags: OpenFlags) -> Result<Self, BoardError> {
+    fn connect(path: &Path) -> Result<Self, BoardError> {
         let failed = |source| failure(path, source);
-        let connection = Connection::open_with_flags(path, flags).map_err(failed)?;
+        let connection =
+            Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_WRITE).map_err(failed)?;
         connection.busy_timeout(PATIENCE).map_err(failed)?;
         connection.pragma_update(None, "foreign_keys", true).map_err(failed)?;
         connection.pragma_update(None, "synchronous", "FULL").map_err(failed)?;
         Ok(Self { path: path.to_owned(), connection })
     }
 
-    /// Errors unless the file is a board of this version; `begin` fills an empty one.
-    fn check(
-        &mut self,
-        begin: impl FnOnce(&Connection) -> rusqlite::Result<()>,
-    ) -> Result<(), BoardError> {
+    /// Errors unless the file is a board of this version. An empty one is begun with this hold-out
+    /// and its fingerprint, if they are given.
+    fn check(&mut self, beginning: Option<(&Holdout, &str)>) -> Result<(), BoardError> {
         let path = self.path.clone();
         let foreign =
             |problem: &str| BoardError::Foreign { path: path.clone(), problem: problem.to_owned() };
@@ -107,12 +88,8 @@ impl Board {
                 .map_err(failed)?;
             // Somebody else may have begun it in the meantime.
             if schema::kind(&transaction).map_err(failed)? == Kind::Empty {
-                match begin(&transaction) {
-                    Err(rusqlite::Error::QueryReturnedNoRows) => {
-                        return Err(foreign("it is empty"));
-                    }
-                    done => done.map_err(failed)?,
-                }
+                let (holdout, fingerprint) = beginning.ok_or_else(|| foreign("it is empty"))?;
+                begin(&transaction, holdout, fingerprint).map_err(failed)?;
             }
             transaction.commit().map_err(failed)?;
         }
@@ -149,7 +126,7 @@ impl Board {
         owner: &str,
         entry: &Entry,
         pictures: &[Picture],
-        scenes: &[(String, &Scene)],
+        truths: &[SceneTruth],
     ) -> Result<Added, BoardError> {
         let id = &entry.secret_id;
         if !is_secret_id(id) {
@@ -173,7 +150,7 @@ impl Board {
             .query_row("SELECT secret_id FROM entry WHERE owner = ?", [owner], |row| row.get(0))
             .optional()
             .map_err(failed)?;
-        replace(&transaction, owner, entry.clone(), pictures, scenes).map_err(failed)?;
+        replace(&transaction, owner, entry.clone(), pictures, truths).map_err(failed)?;
         transaction.commit().map_err(failed)?;
         Ok(before.map_or(Added::New, Added::Replaced))
     }
@@ -275,13 +252,28 @@ impl Board {
     }
 }
 
+/// Makes an empty database a board that ranks on this hold-out.
+fn begin(
+    transaction: &Transaction<'_>,
+    holdout: &Holdout,
+    fingerprint: &str,
+) -> rusqlite::Result<()> {
+    let holdout = serde_json::to_string(holdout).expect("a hold-out is plain data");
+    schema::create(transaction)?;
+    transaction.execute(
+        "INSERT INTO board (one, holdout, fingerprint) VALUES (1, ?, ?)",
+        params![holdout, fingerprint],
+    )?;
+    Ok(())
+}
+
 /// Writes an entry with all that belongs to it, in the place of its owner's earlier one.
 fn replace(
     transaction: &Transaction<'_>,
     owner: &str,
     mut entry: Entry,
     pictures: &[Picture],
-    scenes: &[(String, &Scene)],
+    truths: &[SceneTruth],
 ) -> rusqlite::Result<()> {
     entry.added =
         transaction
@@ -300,13 +292,11 @@ fn replace(
             params![number, test, disparity, error],
         )?;
     }
-    for (test, scene) in scenes {
-        if let Some(truth) = picture::truth(scene) {
-            transaction.execute(
-                "INSERT INTO scene (test, truth) VALUES (?, ?) ON CONFLICT DO NOTHING",
-                params![test, truth],
-            )?;
-        }
+    for SceneTruth { test, truth } in truths {
+        transaction.execute(
+            "INSERT INTO scene (test, truth) VALUES (?, ?) ON CONFLICT DO NOTHING",
+            params![test, truth],
+        )?;
     }
     Ok(())
 }

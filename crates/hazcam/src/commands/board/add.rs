@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
-use arena::board::{Added, Board, Entry, Holdout, Picture, is_owner, standings};
+use arena::board::{Added, Board, Entry, Holdout, Picture, SceneTruth, is_owner, standings};
 use arena::grade::output::text;
 use arena::grade::{Event, Outcome, Scene};
 use arena::record::Machine;
@@ -87,6 +87,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         .filter_map(|(test, (_, scene))| Picture::of(test, scene))
         .collect();
     pictures.extend(Picture::of(&result, &scene));
+    let mut truths: Vec<SceneTruth> =
+        scenes.iter().filter_map(|(test, scene)| SceneTruth::of(test, scene)).collect();
+    truths.extend(SceneTruth::of(&holdout.test.name, &scene));
     let entry = Entry {
         secret_id: secret_id.clone(),
         baseline: args.baseline,
@@ -95,8 +98,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         holdout: result,
         machine: describe(&Machine::this(None)),
     };
-    let scenes = [scenes, vec![(holdout.test.name.clone(), &scene)]].concat();
-    let added = board.add(&owner, &entry, &pictures, &scenes)?;
+    let added = board.add(&owner, &entry, &pictures, &truths)?;
     let standings = standings(board.entries()?, &holdout.test);
     let standing = standings.iter().find(|standing| standing.entry.secret_id == secret_id);
     let place = match standing.and_then(|standing| standing.place) {
@@ -117,35 +119,32 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 /// The board, begun if there is none, with its hold-out as it was when the board was begun.
 fn open(path: &Path, given: Option<&Path>) -> anyhow::Result<(Board, Holdout, Scene)> {
     let path = &std::path::absolute(path)?;
-    let begun = path.metadata().is_ok_and(|found| found.len() > 0);
-    let (holdout, known) = match (begun, given) {
-        (true, None) => {
-            let (holdout, fingerprint) = Board::open(path)?.holdout()?;
-            (holdout, Some(fingerprint))
-        }
-        (true, Some(given)) => (Holdout::read(given)?, Some(Board::open(path)?.holdout()?.1)),
-        (false, Some(given)) => (Holdout::read(given)?, None),
-        (false, None) => (Holdout::secret()?, None),
+    let is_begun = path.metadata().is_ok_and(|found| found.len() > 0);
+    let begun = is_begun.then(|| Board::open(path)).transpose()?;
+    let holdout = match (given, &begun) {
+        (Some(given), _) => Holdout::read(given)?,
+        (None, Some(board)) => board.holdout()?.0,
+        (None, None) => Holdout::secret()?,
     };
     let scene = holdout.load(path, &scenes::render)?;
     let fingerprint = holdout.fingerprint(&scene);
-    match known {
-        Some(known) if known != fingerprint => bail!(
-            "the board {} ranks on another hold-out{}: entries on different ones cannot be \
-             compared; begin another board",
-            path.display(),
-            if given.is_some() { "" } else { ", or its files were changed since it was begun" },
-        ),
-        Some(_) => Ok((Board::open(path)?, holdout, scene)),
-        None => {
-            let board = Board::open_or_begin(path, &holdout, &fingerprint)?;
-            match board.holdout()? {
-                (_, begun) if begun == fingerprint => Ok((board, holdout, scene)),
-                // Somebody else began it in the meantime.
-                _ => open(path, given),
-            }
-        }
+    let board = match begun {
+        Some(board) => board,
+        None => Board::open_or_begin(path, &holdout, &fingerprint)?,
+    };
+    if board.holdout()?.1 == fingerprint {
+        return Ok((board, holdout, scene));
     }
+    if !is_begun {
+        // Somebody else began it in the meantime.
+        return open(path, given);
+    }
+    bail!(
+        "the board {} ranks on another hold-out{}: entries on different ones cannot be compared; \
+         begin another board",
+        path.display(),
+        if given.is_some() { "" } else { ", or its files were changed since it was begun" },
+    )
 }
 
 /// A machine in a line.
