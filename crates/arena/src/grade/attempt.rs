@@ -167,11 +167,8 @@ impl Bench<'_> {
             },
             Err(ended) => *ended,
         };
-        let judged = judge(&ended, self.confinement.allowance.start);
         let max = pair.range.max().unsigned_abs();
-        let result = judged.and_then(|()| answer::read(&job, scene, max));
-        let Ended { usage, startup, log, .. } = ended;
-        Attempt { result, usage, startup, log }
+        self.settled(ended, || answer::read(&job, scene, max))
     }
 
     fn run_robust_vision(
@@ -195,10 +192,19 @@ impl Bench<'_> {
             excess: watch.stop(),
         };
         let max = pair.range.max().unsigned_abs();
-        let result = judge(&ended, limits.start).and_then(|()| match finished.answer {
+        self.settled(ended, || match finished.answer {
             Some(answer) => answer::score(answer.disparity, scene, max),
             None => Err(Failure::new(Outcome::Bad, "it left no answer")),
-        });
+        })
+    }
+
+    /// What came of a run whose process has ended; `read` is asked for the answer if there is one.
+    fn settled(
+        &self,
+        ended: Ended,
+        read: impl FnOnce() -> Result<(Plane<f32>, Scores), Failure>,
+    ) -> Attempt {
+        let result = judge(&ended, self.confinement.allowance.start).and_then(|()| read());
         let Ended { usage, startup, log, .. } = ended;
         Attempt { result, usage, startup, log }
     }
