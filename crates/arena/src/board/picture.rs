@@ -26,12 +26,12 @@ impl Picture {
     /// Draws the answer to a test, if there is one.
     pub fn of(result: &TestResult, scene: &Scene) -> Option<Self> {
         let estimate = cropped(result.disparity.as_ref()?, scene);
+        let truth = cropped(&scene.truth, scene);
         let non_occluded = scene.non_occluded.as_ref().map(|mask| cropped(mask, scene));
-        let errors =
-            picture::log_error(&estimate, &cropped(&scene.truth, scene), non_occluded.as_ref());
+        let errors = picture::log_error(&estimate, &truth, non_occluded.as_ref());
         Some(Self {
             test: result.name.clone(),
-            disparity: picture::png_rgb(&turbo(&estimate, scene)).ok()?,
+            disparity: picture::png_rgb(&turbo(&estimate, &truth)).ok()?,
             error: picture::png_rgb(&smaller(&errors.ok()?)).ok()?,
         })
     }
@@ -49,14 +49,15 @@ pub struct SceneTruth {
 impl SceneTruth {
     /// Draws the truth of the scene that the test of this name is on.
     pub fn of(test: &str, scene: &Scene) -> Option<Self> {
-        let truth = picture::png_rgb(&turbo(&cropped(&scene.truth, scene), scene)).ok()?;
+        let truth = cropped(&scene.truth, scene);
+        let truth = picture::png_rgb(&turbo(&truth, &truth)).ok()?;
         Some(Self { test: test.to_owned(), truth })
     }
 }
 
-/// Disparities of the box in the range of its truth.
-fn turbo(disparity: &Plane<f32>, scene: &Scene) -> Plane<[u8; 3]> {
-    let (min, max) = picture::value_range(&cropped(&scene.truth, scene)).unwrap_or((0.0, 1.0));
+/// Disparities of the box in the range of the box's truth.
+fn turbo(disparity: &Plane<f32>, truth: &Plane<f32>) -> Plane<[u8; 3]> {
+    let (min, max) = picture::value_range(truth).unwrap_or((0.0, 1.0));
     let step = ((max - min) / STEPS).max(f32::MIN_POSITIVE);
     let stepped = smaller(disparity).map(|value| ((value - min) / step).round() * step + min);
     picture::disparity(&stepped, min, max, ColourMap::Turbo)

@@ -18,14 +18,15 @@ impl Table {
 }
 
 fn line(cells: impl Iterator<Item = String>) -> String {
-    let cells: Vec<_> = cells.map(quoted).collect();
+    let cells: Vec<_> = cells.map(|cell| quoted(&cell)).collect();
     format!("{}\r\n", cells.join(","))
 }
 
-fn quoted(cell: String) -> String {
-    match cell.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell,
+/// A field of a CSV file (RFC 4180): in quotes where it needs them.
+pub fn quoted(field: &str) -> String {
+    match field.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
     }
 }
 
@@ -33,6 +34,12 @@ fn quoted(cell: String) -> String {
 mod tests {
     use super::super::table::Column;
     use super::*;
+
+    #[test]
+    fn csv_fields_are_quoted_where_needed() {
+        assert_eq!(quoted("plain"), "plain");
+        assert_eq!(quoted("a,\"b\""), "\"a,\"\"b\"\"\"");
+    }
 
     #[test]
     fn all_digits_and_quotes_where_needed() {

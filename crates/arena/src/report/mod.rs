@@ -16,6 +16,7 @@ mod text;
 use std::fmt;
 use std::str::FromStr;
 
+pub use csv::quoted;
 pub use json::to_json;
 pub use overview::{bad2_table, overview_table};
 pub use regions::{REGIONS_LEGEND, regions_table};

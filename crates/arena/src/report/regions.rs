@@ -1,17 +1,14 @@
 //! Where the errors are: one number for each kind of place.
 
+use super::in_order;
 use super::table::{Cell, Column, Table};
 use crate::record::Record;
 
 /// The share of errors above 2 px and holes (Middlebury's bad 2, in per cent) in every region that
 /// a scene knows, one row for each scene and engine. A region that a scene does not have is empty.
 pub fn regions_table(records: &[Record]) -> Table {
-    let mut regions: Vec<&str> = Vec::new();
-    for scores in records.iter().flat_map(|record| &record.scores) {
-        if !regions.contains(&scores.region.as_str()) {
-            regions.push(&scores.region);
-        }
-    }
+    let scores = records.iter().flat_map(|record| &record.scores);
+    let regions = in_order(scores.map(|scores| scores.region.as_str()));
     let mut columns = vec![Column::grouped("scene"), Column::new("matcher")];
     columns.extend(regions.iter().map(|region| Column::new(region.to_string())));
     let mut table = Table { columns, rows: Vec::new() };

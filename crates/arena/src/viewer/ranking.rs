@@ -2,6 +2,7 @@
 
 use super::{anchor, number};
 use crate::board::Standing;
+use crate::grade::output::points;
 use crate::markup::escaped;
 
 /// Heading, explanation, whether numbers stand in it, whether a narrow screen leaves it out.
@@ -56,7 +57,6 @@ fn row(at: usize, standing: &Standing) -> String {
         ),
     };
     let day = entry.added.get(..10).unwrap_or(&entry.added);
-    let points = |value: f64| format!("{}", (value * 100.0).round() / 100.0);
     let cells = [
         // Sorted by rank: who has no place stands where the board puts it.
         (format!("{}", at + 1), place),

@@ -15,9 +15,8 @@ const KITTI: (i32, &str) = (150, "kitti_070_bounds.npy");
 
 /// Whether this is the folder above `images` and `data`.
 pub(super) fn is_root(folder: &Folder) -> bool {
-    let has = |name: &str| folder.folders.iter().any(|sub| sub == name);
-    has("images")
-        && has("data")
+    folder.has_folder("images")
+        && folder.has_folder("data")
         && fs::read_dir(folder.path.join("data")).is_ok_and(|mut entries| {
             entries.any(|entry| {
                 entry.is_ok_and(|e| e.file_name().to_string_lossy().ends_with("_bounds.npy"))

@@ -12,8 +12,8 @@ const TRUTHS: [(&str, &str); 2] = [("disp_occ", "disp_noc"), ("disp_occ_0", "dis
 
 /// Every frame at time 10, the only one that has truth.
 pub(super) fn cases(folder: &Folder) -> Vec<Case> {
-    let has = |name: &str| folder.folders.iter().any(|sub| sub == name);
-    let Some((left, right)) = VIEWS.into_iter().find(|(l, r)| has(l) && has(r)) else {
+    let has = |views: &(&str, &str)| folder.has_folder(views.0) && folder.has_folder(views.1);
+    let Some((left, right)) = VIEWS.into_iter().find(has) else {
         return Vec::new();
     };
     let Ok(images) = super::read(&folder.path.join(left), String::new()) else {

@@ -29,6 +29,10 @@ impl Folder {
         self.files.binary_search_by(|name| name.as_str().cmp(file)).is_ok()
     }
 
+    fn has_folder(&self, folder: &str) -> bool {
+        self.folders.binary_search_by(|name| name.as_str().cmp(folder)).is_ok()
+    }
+
     /// A file, if the folder holds it.
     fn file(&self, file: &str) -> Option<PathBuf> {
         self.has(file).then(|| self.path.join(file))

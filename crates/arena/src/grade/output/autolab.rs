@@ -6,18 +6,15 @@
 use serde_json::{Map, Value, json};
 
 use super::super::Report;
+use super::to_milliseconds;
 
 /// The line, with its end.
 pub fn line(report: &Report) -> String {
     let scores: Map<String, Value> =
         report.tests.iter().map(|test| (test.name.clone(), json!(test.points))).collect();
-    let cpu = report.cpu_seconds().map_or(Value::Null, |seconds| json!(round(seconds)));
+    let cpu = report.cpu_seconds().map_or(Value::Null, |seconds| json!(to_milliseconds(seconds)));
     let line = json!({ "scores": scores, "scoreboard": [report.points, cpu] });
     format!("{line}\n")
-}
-
-fn round(seconds: f64) -> f64 {
-    (seconds * 1000.0).round() / 1000.0
 }
 
 #[cfg(test)]

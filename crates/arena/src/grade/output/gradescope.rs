@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::super::Report;
-use super::details;
+use super::{details, to_milliseconds};
 
 /// The whole file.
 pub fn write(report: &Report) -> String {
@@ -29,9 +29,8 @@ pub fn write(report: &Report) -> String {
     let mut leaderboard =
         vec![json!({ "name": "Points", "value": report.points, "order": "desc" })];
     if let Some(cpu) = report.cpu_seconds() {
-        leaderboard.push(
-            json!({ "name": "CPU seconds", "value": (cpu * 1e3).round() / 1e3, "order": "asc" }),
-        );
+        leaderboard
+            .push(json!({ "name": "CPU seconds", "value": to_milliseconds(cpu), "order": "asc" }));
     }
     let results = json!({
         "score": report.points,

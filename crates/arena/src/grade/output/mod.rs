@@ -29,9 +29,14 @@ fn details(test: &TestResult) -> Vec<String> {
 }
 
 /// Points without needless decimals: 6, 47.5.
-fn points(points: f64) -> String {
+pub(crate) fn points(points: f64) -> String {
     let rounded = (points * 100.0).round() / 100.0;
     format!("{rounded}")
+}
+
+/// Seconds without more digits than clocks are good for.
+fn to_milliseconds(seconds: f64) -> f64 {
+    (seconds * 1000.0).round() / 1000.0
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
-use arena::board::{Added, Board, Entry, Holdout, Picture, SceneTruth, is_owner, standings};
+use arena::board::{
+    Added, Board, BoardError, Entry, Holdout, Picture, SceneTruth, is_owner, standings,
+};
 use arena::grade::output::text;
 use arena::grade::{Event, Outcome, Scene};
 use arena::record::Machine;
@@ -52,7 +54,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         bail!("`{owner}` cannot name an owner: give 1 to 200 printable characters with --owner");
     }
     if let Some(id) = args.secret_id.as_ref().filter(|id| !is_secret_id(id)) {
-        bail!("`{id}` cannot be a secret ID: it must have 4 to 32 printable characters");
+        bail!(BoardError::Name(id.clone()));
     }
     let workshop = Workshop::open(&args.grading)?;
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref())?;

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use arena::report::quoted;
 use formats::Encoding;
 use score::{Measure, Scores, Unit};
 use serde::{Serialize, Serializer};
@@ -161,24 +162,5 @@ impl Report {
             let _ = writeln!(text, "{}. {protocol}", i + 1);
         }
         text
-    }
-}
-
-/// A field of a CSV file (RFC 4180): in quotes where it needs them.
-fn quoted(field: &str) -> String {
-    match field.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", field.replace('"', "\"\"")),
-        false => field.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn csv_fields_are_quoted_where_needed() {
-        assert_eq!(quoted("plain"), "plain");
-        assert_eq!(quoted("a,\"b\""), "\"a,\"\"b\"\"\"");
     }
 }
