@@ -1,7 +1,7 @@
 //! Rendered scenes as cases: the arena does not know how to render.
 
 use arena::dataset::{Case, CaseData, CaseRegion};
-use scenes::{Scene, Settings, render};
+use scenes::Settings;
 
 /// The scenes of `hazcam demo`.
 pub fn demo() -> Vec<Case> {
@@ -18,13 +18,12 @@ pub fn stress() -> Vec<Case> {
 }
 
 fn case(id: String, settings: Settings) -> Case {
-    Case::rendered(id, move || match render(&settings) {
-        Ok(scene) => Ok(data(scene)),
-        Err(error) => Err(error.to_string()),
-    })
+    Case::rendered(id, move || render(&settings))
 }
 
-fn data(scene: Scene) -> CaseData {
+/// Renders a scene with exact truth of every pixel and all its regions.
+pub fn render(settings: &Settings) -> Result<CaseData, String> {
+    let scene = scenes::render(settings).map_err(|error| error.to_string())?;
     let mut data = CaseData::new(scene.left, scene.right, scene.range);
     data.truth = Some(scene.truth_left);
     data.add_occlusions(&scene.occluded);
@@ -40,5 +39,5 @@ fn data(scene: Scene) -> CaseData {
         format!("rendered ({}), exact truth of every pixel", scene.name),
         "whole image, the left strip included".into(),
     ];
-    data
+    Ok(data)
 }

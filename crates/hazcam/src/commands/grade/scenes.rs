@@ -3,6 +3,8 @@
 use arena::dataset::CaseData;
 use scenes::{Kind, Settings};
 
+use crate::commands::bench::rendered;
+
 /// Renders the scene of this kind, seed and size, with exact truth of every pixel.
 pub fn render(
     kind: &str,
@@ -14,9 +16,5 @@ pub fn render(
     let mut settings = Settings::new(kind, seed);
     settings.columns = columns.unwrap_or(settings.columns);
     settings.rows = rows.unwrap_or(settings.rows);
-    let scene = scenes::render(&settings).map_err(|error| error.to_string())?;
-    let mut data = CaseData::new(scene.left, scene.right, scene.range);
-    data.truth = Some(scene.truth_left);
-    data.add_occlusions(&scene.occluded);
-    Ok(data)
+    rendered::render(&settings)
 }
