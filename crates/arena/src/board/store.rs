@@ -102,11 +102,6 @@ impl Board {
         }
     }
 
-    /// Where its file lies.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// By what it ranks, and the fingerprint of that.
     pub fn holdout(&self) -> Result<(Holdout, String), BoardError> {
         let (text, fingerprint): (String, String) = self

@@ -28,8 +28,7 @@ pub enum Purpose {
 
 impl Purpose {
     /// Every purpose.
-    pub const ALL: [Purpose; 4] =
-        [Purpose::Test, Purpose::Tuning, Purpose::Rover, Purpose::Rendered];
+    const ALL: [Purpose; 4] = [Purpose::Test, Purpose::Tuning, Purpose::Rover, Purpose::Rendered];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -106,10 +105,6 @@ pub struct Case {
     pub purpose: Purpose,
     /// The disparities to search, where the data set states them.
     pub range: Option<DisparityRange>,
-    /// Where it comes from.
-    pub source: String,
-    /// Under which terms it may be used.
-    pub terms: String,
     pub(super) origin: Origin,
 }
 
@@ -122,14 +117,7 @@ impl fmt::Debug for Case {
 impl Case {
     /// A scene in files.
     pub fn new(id: impl Into<String>, purpose: Purpose, files: Files) -> Self {
-        Self {
-            id: id.into(),
-            purpose,
-            range: None,
-            source: String::new(),
-            terms: String::new(),
-            origin: Origin::Files(files),
-        }
+        Self { id: id.into(), purpose, range: None, origin: Origin::Files(files) }
     }
 
     /// A scene that `render` makes whenever it is needed.
@@ -141,8 +129,6 @@ impl Case {
             id: id.into(),
             purpose: Purpose::Rendered,
             range: None,
-            source: "rendered".into(),
-            terms: String::new(),
             origin: Origin::Rendered(Arc::new(render)),
         }
     }

@@ -38,10 +38,12 @@ struct Entry {
     calib: Option<PathBuf>,
     min_disparity: Option<i32>,
     max_disparity: Option<i32>,
-    #[serde(default)]
-    source: String,
-    #[serde(default)]
-    terms: String,
+    /// For people: where it comes from.
+    #[serde(default, rename = "source")]
+    _source: String,
+    /// For people: under which terms it may be used.
+    #[serde(default, rename = "terms")]
+    _terms: String,
 }
 
 /// Reads a catalogue.
@@ -105,8 +107,6 @@ fn case(root: &Path, entry: Entry) -> Result<Case, String> {
     };
     let mut case = Case::new(entry.id, entry.purpose, files);
     case.range = range;
-    case.source = entry.source;
-    case.terms = entry.terms;
     Ok(case)
 }
 

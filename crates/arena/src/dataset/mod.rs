@@ -26,7 +26,7 @@ pub use case::{Case, CaseData, CaseRegion, Files, Purpose, TruthFile};
 pub use error::DatasetError;
 
 /// The name of a catalogue.
-pub const CATALOGUE: &str = "scenes.json";
+const CATALOGUE: &str = "scenes.json";
 
 /// Every case of a folder: what its `scenes.json` lists, or without one what its layouts show. The
 /// course's three scenes come first.

@@ -12,7 +12,7 @@ use crate::submission::Part;
 pub const COURSE: &str = include_str!("../../grading/course.toml");
 
 /// Tests with their thresholds and points, and where their scenes come from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scheme {
     /// What it is called in reports.
@@ -21,7 +21,7 @@ pub struct Scheme {
     #[serde(rename = "test")]
     pub tests: Vec<Test>,
     /// Scenes that are defined here; any other is looked up among the data sets.
-    #[serde(default, rename = "scene", skip_serializing)]
+    #[serde(default, rename = "scene")]
     pub scenes: BTreeMap<String, SceneSource>,
 }
 

@@ -35,9 +35,6 @@ pub enum Part {
 }
 
 impl Part {
-    /// Both, in order.
-    pub const ALL: [Part; 2] = [Part::Fast, Part::Best];
-
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
@@ -91,11 +88,6 @@ impl Submission {
     /// A fresh copy for one test, which may change its files.
     pub fn copy_to(&self, folder: &Path) -> Result<(), SubmissionError> {
         contents::copy_folder(&self.root, folder)
-    }
-
-    /// Whether the file that a part needs is there.
-    pub fn has(&self, part: Part) -> bool {
-        self.root.join(format!("{}.py", part.function())).is_file()
     }
 }
 

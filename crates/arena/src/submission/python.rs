@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::error::SubmissionError;
 
@@ -20,17 +20,15 @@ print(json.dumps({
 ";
 
 /// An interpreter that can run submissions.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Python {
     /// Its full path.
     pub executable: PathBuf,
     /// Its version, such as `3.11.7`.
     pub version: String,
     /// Files and folders that it reads: its libraries and installed packages.
-    #[serde(skip)]
     paths: Vec<PathBuf>,
     /// Where packages are that its user installed without being root.
-    #[serde(skip)]
     user_base: PathBuf,
 }
 
