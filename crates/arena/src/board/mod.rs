@@ -9,9 +9,8 @@
 //! ```text
 //! score = (E_RMS / max_e_rms + p_bad / max_p_bad) / 2
 //! ```
-//! so 1 is just as good as Part 2 of the assignment asks for, and lower is better. Ties go to less
-//! CPU time on the hold-out, then to the earlier entry. Who has no answer there is listed last and
-//! has no place.
+//! so 1 is just at both thresholds, and lower is better. Ties go to less CPU time on the hold-out,
+//! then to the earlier entry. Who has no answer there is listed last and has no place.
 //!
 //! **Bonus.** The first three get 5, 3 and 2 points on top of those of the tests: 55 at most.
 //! Baselines are shown where they would stand, and take neither a place nor a bonus.

@@ -110,7 +110,7 @@ fn case(root: &Path, entry: Entry) -> Result<Case, String> {
     Ok(case)
 }
 
-/// Whether a folder on the way to the file has a name that begins so.
+/// Whether the name of the folder that the file is in begins with `prefix`.
 fn lies_in(path: &Path, prefix: &str) -> bool {
     let folder = path.parent().and_then(Path::file_name);
     folder.is_some_and(|name| name.to_string_lossy().starts_with(prefix))
