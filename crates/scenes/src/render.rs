@@ -67,19 +67,19 @@ pub fn render(settings: &Settings) -> Result<Scene, SettingsError> {
     let Stage { world, rig } = settings.kind.build(settings);
     let left = shaded(&world, &rig, Side::Left, settings);
     let right = shaded(&world, &rig, Side::Right, settings);
-    let depth = depth(&world, &rig, Side::Left);
+    let (depth, repeated) = centres(&world, &rig, settings.contrast);
     let truth_left = truth(&depth, &rig);
     let grey = left.map(|&v| 255.0 * luma(v));
     Ok(Scene {
         name: settings.name(),
         left: Sensor::new(settings, Side::Left).read(&left),
         right: Sensor::new(settings, Side::Right).read(&right),
-        truth_right: truth(&self::depth(&world, &rig, Side::Right), &rig),
+        truth_right: truth(&right_depth(&world, &rig), &rig),
         occluded: occluded(&world, &rig, &depth),
         discontinuity: masks::discontinuity(&truth_left),
         textureless: masks::textureless(&grey),
         thin: masks::thin(&truth_left),
-        repeated: repeated(&world, &rig, settings),
+        repeated,
         truth_left,
         range,
         camera: StereoCamera::new(rig.focal, rig.baseline, rig.doffs, rig.cx, rig.cy).ok(),
@@ -106,9 +106,21 @@ fn first_depth(rig: &Rig) -> f64 {
     rig.near * (1.0 - 1e-9)
 }
 
-/// Depth of the first surface at every pixel's centre; infinity where there is none.
-fn depth(world: &World, rig: &Rig, side: Side) -> Plane<f64> {
-    by_rows(rig, |x, y| world.distance(&rig.ray(side, x as f64, y as f64), first_depth(rig)))
+/// Depth of the first surface at the centre of every left pixel, infinity where there is none, and
+/// whether it has a repeated texture that shows.
+fn centres(world: &World, rig: &Rig, contrast: f64) -> (Plane<f64>, Plane<bool>) {
+    let seen = by_rows(rig, |x, y| {
+        match world.hit(&rig.ray(Side::Left, x as f64, y as f64), first_depth(rig)) {
+            Some(hit) => (hit.t, contrast > 0.0 && hit.material.pattern.is_repeated()),
+            None => (f64::INFINITY, false),
+        }
+    });
+    (seen.map(|&(depth, _)| depth), seen.map(|&(_, repeated)| repeated))
+}
+
+/// Depth of the first surface at the centre of every right pixel; infinity where there is none.
+fn right_depth(world: &World, rig: &Rig) -> Plane<f64> {
+    by_rows(rig, |x, y| world.distance(&rig.ray(Side::Right, x as f64, y as f64), first_depth(rig)))
 }
 
 fn truth(depth: &Plane<f64>, rig: &Rig) -> Plane<f32> {
@@ -125,14 +137,6 @@ fn occluded(world: &World, rig: &Rig, depth: &Plane<f64>) -> Plane<bool> {
         }
         let before = world.distance(&rig.ray(Side::Right, x, y), first_depth(rig));
         rig.disparity(before) > d + OCCLUSION_TOLERANCE
-    })
-}
-
-/// Where the surface at the pixel's centre has a repeated texture that shows.
-fn repeated(world: &World, rig: &Rig, settings: &Settings) -> Plane<bool> {
-    by_rows(rig, |x, y| {
-        let hit = world.hit(&rig.ray(Side::Left, x as f64, y as f64), first_depth(rig));
-        settings.contrast > 0.0 && hit.is_some_and(|hit| hit.material.pattern.is_repeated())
     })
 }
 
