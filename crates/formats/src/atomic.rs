@@ -23,10 +23,13 @@ pub fn write_atomically(
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FormatError> {
     let path = path.as_ref();
-    let failed = |source: io::Error| FormatError::Write {
-        path: path.to_owned(),
-        problem: explain(path, &source),
-        source: Some(source),
+    let failed = |error: io::Error| {
+        let (problem, source) = match explain(path, &error) {
+            // The system's own words are about the temporary file.
+            Some(problem) => (problem, None),
+            None => (error.to_string(), Some(error)),
+        };
+        FormatError::Write { path: path.to_owned(), problem, source }
     };
     let target = match fs::metadata(path) {
         Ok(found) if found.is_dir() => {
@@ -77,19 +80,19 @@ fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Says which folder is at fault, since the system's message does not.
-fn explain(path: &Path, error: &io::Error) -> String {
+/// Says which folder is at fault, if one is.
+fn explain(path: &Path, error: &io::Error) -> Option<String> {
     let folder = folder_of(path);
     if path.file_name().is_none() {
-        "it names no file".to_owned()
+        Some("it names no file".to_owned())
     } else if !folder.exists() {
-        format!("the folder {} does not exist; create it first", folder.display())
+        Some(format!("the folder {} does not exist; create it first", folder.display()))
     } else if !folder.is_dir() {
-        format!("{} is not a folder", folder.display())
+        Some(format!("{} is not a folder", folder.display()))
     } else if error.kind() == io::ErrorKind::PermissionDenied {
-        format!("no permission to write in {}", folder.display())
+        Some(format!("no permission to write in {}", folder.display()))
     } else {
-        error.to_string()
+        None
     }
 }
 

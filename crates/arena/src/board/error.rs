@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum BoardError {
     /// There is no such file.
-    #[error("there is no board {}: `hazcam board add` begins one", path.display())]
+    #[error("there is no board {}: `hazcam board add` begins one, --board names another", path.display())]
     Missing {
         /// The file.
         path: PathBuf,

@@ -73,7 +73,8 @@ impl Holdout {
     /// Reads a hold-out from TOML; files in it are relative to its folder.
     pub fn read(path: &Path) -> Result<Self, BoardError> {
         let wrong = |problem: String| BoardError::Holdout(format!("{}: {problem}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| wrong(format!("it cannot be read ({error})")))?;
         let scheme =
             Scheme::parse(&text, path).map_err(|error| BoardError::Holdout(error.to_string()))?;
         let [test] = &scheme.tests[..] else {

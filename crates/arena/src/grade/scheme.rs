@@ -104,7 +104,8 @@ impl Scheme {
     /// Reads a scheme from the text of `path`, which only messages mention.
     pub fn parse(text: &str, path: &Path) -> Result<Self, SchemeError> {
         let malformed = |problem: String| SchemeError { path: path.to_owned(), problem };
-        let scheme: Self = toml::from_str(text).map_err(|e| malformed(e.to_string()))?;
+        let scheme: Self =
+            toml::from_str(text).map_err(|e| malformed(e.to_string().trim_end().into()))?;
         scheme.check().map_err(malformed)?;
         Ok(scheme)
     }

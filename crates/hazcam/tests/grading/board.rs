@@ -243,6 +243,10 @@ fn mistakes_are_named() {
         (with(&["--matcher", "fast", "--secret-id", "abc"]), "`abc` cannot be a secret ID"),
         (with(&["--matcher", "fast", "--owner", ""]), "cannot name an owner"),
         (vec!["add", "--matcher", "fast", "--holdout", "none.toml"], "none.toml"),
+        (
+            vec!["add", "--matcher", "fast", "--data", "nowhere"],
+            "HAZCAM_DATA or --data: nowhere is not a folder\n",
+        ),
     ] {
         let (status, stdout, stderr) = course.run(&arguments);
         assert_eq!((status, stdout.as_str()), (2, ""), "{arguments:?}");
@@ -255,7 +259,10 @@ fn mistakes_are_named() {
             "nobody on the board is called `nobody`; there are fast",
         ),
         (["rename", "fast", "x"], "`x` cannot be a secret ID"),
-        (["export", "no/such/board.html", "--quiet"], "no/such/board.html"),
+        (
+            ["export", "no/such/board.html", "--quiet"],
+            "no/such/board.html: the folder no/such does not exist; create it first\n",
+        ),
     ] {
         let (status, _, stderr) = course.run(&arguments);
         assert_eq!(status, 2);

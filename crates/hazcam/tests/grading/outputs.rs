@@ -64,6 +64,7 @@ fn the_status_says_when_points_are_missing_or_the_grader_failed() {
     };
     assert_eq!(graded(&["--fail-under", "3"]).0, 0);
     assert_eq!(graded(&["--fail-under", "4"]).0, 1);
+    assert!(graded(&["--fail-under", "nan"]).2.contains("give a number of points"));
     let (status, stdout, _) = graded(&["--python", "/nonexistent/python"]);
     assert_eq!(status, 2);
     assert!(stdout.contains("XX") && stdout.contains("/nonexistent/python"), "{stdout}");

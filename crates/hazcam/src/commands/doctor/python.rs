@@ -17,7 +17,8 @@ for name in ('numpy', 'cv2'):
 
 /// Asks `HAZCAM_PYTHON`, or else `python3`.
 pub fn look() -> Vec<Finding> {
-    let python = std::env::var_os("HAZCAM_PYTHON").unwrap_or_else(|| "python3".into());
+    let python = std::env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty());
+    let python = python.unwrap_or_else(|| "python3".into());
     let answer = Command::new(&python)
         .args(["-c", PROGRAM])
         .stdin(Stdio::null())

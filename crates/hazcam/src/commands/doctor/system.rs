@@ -64,7 +64,7 @@ fn sandbox() -> Finding {
 /// The scenes found in the folder that `HAZCAM_DATA` names.
 pub fn data() -> Finding {
     const TOPIC: &str = "data sets";
-    let Some(folder) = std::env::var_os("HAZCAM_DATA") else {
+    let Some(folder) = std::env::var_os("HAZCAM_DATA").filter(|name| !name.is_empty()) else {
         return Finding::absent(
             TOPIC,
             "HAZCAM_DATA names no folder; real scenes need it, `hazcam demo` does not",

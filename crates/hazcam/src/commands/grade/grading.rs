@@ -20,7 +20,7 @@ pub struct GradingArguments {
     #[arg(long, value_name = "FILE", help_heading = "Tests")]
     scheme: Option<PathBuf>,
 
-    /// Folder with the data sets
+    /// Folder with the data sets that hold the scenes of the tests
     #[arg(long, value_name = "DIR", env = "HAZCAM_DATA", hide_env_values = true)]
     #[arg(help_heading = "Tests")]
     data: Option<PathBuf>,
@@ -188,7 +188,7 @@ impl GradingArguments {
         let elsewhere = |id: &String| !scheme.scenes.contains_key(id);
         let needs_data = scheme.tests.iter().map(|test| &test.scene).any(elsewhere);
         let cases: Vec<Case> = match self.data.as_deref().filter(|p| !p.as_os_str().is_empty()) {
-            Some(folder) if needs_data => dataset::open(folder)?,
+            Some(folder) if needs_data => dataset::open(folder).context("HAZCAM_DATA or --data")?,
             _ => Vec::new(),
         };
         let remedy = match self.data {

@@ -61,12 +61,19 @@ pub struct Args {
     output: Option<PathBuf>,
 
     /// End with status 1 when there are fewer points
-    #[arg(long, value_name = "POINTS", help_heading = "Output")]
+    #[arg(long, value_name = "POINTS", value_parser = points, help_heading = "Output")]
     fail_under: Option<f64>,
 
     /// Print the course's tests, thresholds and points as TOML, to start your own from, and end
     #[arg(long, help_heading = "Output", exclusive = true)]
     print_scheme: bool,
+}
+
+fn points(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(points) if points.is_finite() => Ok(points),
+        _ => Err("give a number of points".into()),
+    }
 }
 
 /// Grades, showing each test before and after it is run.

@@ -71,8 +71,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "text", help_heading = "Output")]
     format: Format,
 
-    /// End with status 1 when MEASURE is over VALUE, which may be a share (0.05) or per cent (5%).
-    /// May be given several times
+    /// End with status 1 when MEASURE, named as in the output, is over VALUE, which may be a share
+    /// (0.05) or per cent (5%). May be given several times
     #[arg(long, value_name = "MEASURE=VALUE", help_heading = "Output")]
     fail_over: Vec<Threshold>,
 }
