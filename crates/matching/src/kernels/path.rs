@@ -7,7 +7,11 @@
 //!                   - min_k L(q, k)
 //! ```
 //!
-//! which never exceeds the largest cost plus `P2`, so one byte holds it as long as that sum stays
+//! Where the surface at `p` is known to rise by `s` disparities from `q` on, `q` is read `s` lower
+//! (`L(q, d - s)` and its neighbours): to follow the surface costs nothing then, to leave it costs
+//! what a step costs elsewhere.
+//!
+//! A state never exceeds the largest cost plus `P2`, so one byte holds it as long as that sum stays
 //! below 256. A row is done with its four paths together: the costs are read once, the sum of the
 //! four is built in registers, and the three paths from the row before hide the latency of the one
 //! along the row.
@@ -18,6 +22,9 @@ use super::level::at_every_level;
 pub const LANES: usize = 32;
 /// Room at both ends of a pixel's states for the neighbours `d - 1` and `d + 1`.
 const MARGIN: usize = 16;
+/// What a surface may rise or fall from one pixel to the next.
+pub const HIGHEST_RISE: i8 = 2;
+const _: () = assert!((HIGHEST_RISE as usize) < MARGIN);
 
 /// `count` rounded up to whole groups.
 pub fn padded(count: usize) -> usize {
@@ -68,12 +75,15 @@ impl AlongState {
     }
 }
 
-/// The large penalty per column for each path of a row: from the previous, the same and the next
-/// column of the row before, and along the row.
+/// What is known per column of each path of a row: from the previous, the same and the next column
+/// of the row before, and along the row.
 #[derive(Default, Clone)]
-pub struct RowPenalties {
-    /// `P2` per column.
+pub struct RowTransitions {
+    /// `P2`.
     pub p2: [Vec<u8>; 4],
+    /// By how many disparities the surface rises on the last step, at most [`HIGHEST_RISE`]; 0
+    /// where a path begins.
+    pub rise: [Vec<i8>; 4],
 }
 
 /// One step of one path for one group of disparities; the definition above.
@@ -111,7 +121,7 @@ at_every_level! {
     pub fn paths_of_row<const REVERSE: bool, const ADD: bool>(
         cost: &[u8],
         count: usize,
-        penalty: &RowPenalties,
+        transitions: &RowTransitions,
         p1: u8,
         before: &RowStates,
         after: &mut RowStates,
@@ -136,15 +146,20 @@ at_every_level! {
             let to0 = &mut after0[(x + 1) * stride + MARGIN..][..count];
             let to1 = &mut after1[(x + 1) * stride + MARGIN..][..count];
             let to2 = &mut after2[(x + 1) * stride + MARGIN..][..count];
-            let p2 = [penalty.p2[0][x], penalty.p2[1][x], penalty.p2[2][x], penalty.p2[3][x]];
+            let p2: [u8; 4] = std::array::from_fn(|path| transitions.p2[path][x]);
+            // Where each path reads the state before.
+            let from: [usize; 4] = std::array::from_fn(|path| {
+                let rise = transitions.rise[path][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
+                (MARGIN as isize - isize::from(rise)) as usize
+            });
             let mut lowest = [[255u8; LANES]; 4];
             let mut at = 0;
             while at < count {
                 let c: &[u8; LANES] = cost[at..at + LANES].try_into().expect("a whole group");
-                let l0 = step(c, from0, MARGIN + at, least[0], p1, p2[0]);
-                let l1 = step(c, from1, MARGIN + at, least[1], p1, p2[1]);
-                let l2 = step(c, from2, MARGIN + at, least[2], p1, p2[2]);
-                let l3 = step(c, old, MARGIN + at, along_least, p1, p2[3]);
+                let l0 = step(c, from0, from[0] + at, least[0], p1, p2[0]);
+                let l1 = step(c, from1, from[1] + at, least[1], p1, p2[1]);
+                let l2 = step(c, from2, from[2] + at, least[2], p1, p2[2]);
+                let l3 = step(c, old, from[3] + at, along_least, p1, p2[3]);
                 to0[at..at + LANES].copy_from_slice(&l0);
                 to1[at..at + LANES].copy_from_slice(&l1);
                 to2[at..at + LANES].copy_from_slice(&l2);
@@ -177,19 +192,19 @@ mod tests {
     use crate::kernels::level::Level;
 
     /// The recurrence as the paper writes it, in whole numbers, for one path.
-    fn definition(cost: &[u8], before: Option<&[i32]>, p1: i32, p2: i32) -> Vec<i32> {
+    fn definition(cost: &[u8], before: Option<&[i32]>, p1: i32, p2: i32, rise: i32) -> Vec<i32> {
         let Some(before) = before else { return cost.iter().map(|&c| i32::from(c)).collect() };
         let least = *before.iter().min().unwrap();
         (0..cost.len())
             .map(|d| {
-                let mut best = before[d].min(least + p2);
-                if d > 0 {
-                    best = best.min(before[d - 1] + p1);
-                }
-                if d + 1 < cost.len() {
-                    best = best.min(before[d + 1] + p1);
-                }
-                i32::from(cost[d]) + best - least
+                let before = |d: i32| usize::try_from(d).ok().and_then(|d| before.get(d));
+                let d = d as i32;
+                let changes = [(0, 0), (-1, p1), (1, p1)];
+                let best = changes
+                    .into_iter()
+                    .filter_map(|(change, price)| Some(before(d - rise + change)? + price))
+                    .fold(least + p2, i32::min);
+                i32::from(cost[d as usize]) + best - least
             })
             .collect()
     }
@@ -203,9 +218,10 @@ mod tests {
             ((state >> 16) % n) as u8
         };
         let costs: Vec<u8> = (0..columns * rows * count).map(|_| random(80)).collect();
-        let mut penalty = RowPenalties::default();
-        for p2 in &mut penalty.p2 {
+        let mut transitions = RowTransitions::default();
+        for (p2, rise) in transitions.p2.iter_mut().zip(&mut transitions.rise) {
             *p2 = (0..columns).map(|_| 20 + random(100)).collect();
+            *rise = vec![0; columns];
         }
         for level in Level::available() {
             eprintln!("level {}", level.name());
@@ -216,10 +232,24 @@ mod tests {
             let mut expected_before: Vec<[Vec<i32>; 3]> = Vec::new();
             for y in 0..rows {
                 let cost = &costs[y * columns * count..][..columns * count];
+                for (path, rise) in transitions.rise.iter_mut().enumerate() {
+                    let begins = |x: usize| if path < 3 { y == 0 } else { x == 0 };
+                    let rises =
+                        (0..columns).map(|x| if begins(x) { 0 } else { random(5) as i8 - 2 });
+                    *rise = rises.collect();
+                }
                 let mut sum = vec![1u16; columns * count];
                 let [before, after] = &mut states;
                 paths_of_row::<false, true>(
-                    level, cost, count, &penalty, p1, before, after, &mut along, &mut sum,
+                    level,
+                    cost,
+                    count,
+                    &transitions,
+                    p1,
+                    before,
+                    after,
+                    &mut along,
+                    &mut sum,
                 );
                 states.swap(0, 1);
 
@@ -230,14 +260,15 @@ mod tests {
                     let at = |path: usize, x: Option<usize>| {
                         x.and_then(|x| expected_before.get(x)).map(|s| &s[path][..])
                     };
-                    let p2 = |path: usize| i32::from(penalty.p2[path][x]);
+                    let p2 = |path: usize| i32::from(transitions.p2[path][x]);
+                    let rise = |path: usize| i32::from(transitions.rise[path][x]);
                     let p1 = i32::from(p1);
                     let three = [
-                        definition(c, at(0, x.checked_sub(1)), p1, p2(0)),
-                        definition(c, at(1, Some(x)), p1, p2(1)),
-                        definition(c, at(2, Some(x + 1)), p1, p2(2)),
+                        definition(c, at(0, x.checked_sub(1)), p1, p2(0), rise(0)),
+                        definition(c, at(1, Some(x)), p1, p2(1), rise(1)),
+                        definition(c, at(2, Some(x + 1)), p1, p2(2), rise(2)),
                     ];
-                    let fourth = definition(c, along_before.as_deref(), p1, p2(3));
+                    let fourth = definition(c, along_before.as_deref(), p1, p2(3), rise(3));
                     for d in 0..count {
                         let total = three.iter().map(|l| l[d]).sum::<i32>() + fourth[d] + 1;
                         assert_eq!(i32::from(sum[x * count + d]), total, "x {x} y {y} d {d}");

@@ -2,3 +2,4 @@
 
 pub(crate) mod semi_global;
 pub(crate) mod support_weights;
+pub(crate) mod surface_prior;

@@ -13,7 +13,8 @@
 use raster::Plane;
 
 use crate::kernels::level::Level;
-use crate::kernels::path::{AlongState, RowPenalties, RowStates, padded, paths_of_row};
+use crate::kernels::path::{AlongState, RowStates, RowTransitions, padded, paths_of_row};
+use crate::optimization::surface_prior::SurfacePrior;
 
 /// Costs of a row of pixels, one byte each, made anew whenever they are needed.
 pub trait CostRows: Sync {
@@ -61,7 +62,7 @@ pub struct SemiGlobal {
 struct Sweep {
     states: [RowStates; 2],
     along: AlongState,
-    penalty: RowPenalties,
+    transitions: RowTransitions,
     costs: Vec<u8>,
 }
 
@@ -70,6 +71,7 @@ struct Shared<'a, C> {
     level: Level,
     costs: &'a C,
     guide: &'a Plane<u8>,
+    prior: Option<&'a SurfacePrior>,
     p1: u8,
     p2: [u8; 256],
 }
@@ -78,10 +80,12 @@ impl Sweep {
     fn reset(&mut self, columns: usize, count: usize) {
         self.states.iter_mut().for_each(|s| s.reset(columns, count));
         self.along.reset(count);
-        self.penalty.p2.iter_mut().for_each(|p| {
-            p.clear();
-            p.resize(columns, 0);
-        });
+        let RowTransitions { p2, rise } = &mut self.transitions;
+        p2.iter_mut().for_each(|p2| p2.resize(columns, 0));
+        for rise in rise {
+            rise.clear();
+            rise.resize(columns, 0);
+        }
         self.costs.clear();
         self.costs.resize(columns * count, 0);
     }
@@ -89,7 +93,7 @@ impl Sweep {
     /// Looks up the large penalty of each column for a row and the row before it on the paths.
     fn look_up_penalties(&mut self, table: &[u8; 256], row: &[u8], before: &[u8], reverse: bool) {
         let last = row.len() - 1;
-        let [from0, from1, from2, along] = &mut self.penalty.p2;
+        let [from0, from1, from2, along] = &mut self.transitions.p2;
         for x in 0..row.len() {
             let to = |other: u8| table[usize::from(row[x].abs_diff(other))];
             from0[x] = to(before[x.saturating_sub(1)]);
@@ -108,13 +112,17 @@ impl Sweep {
         let before =
             if REVERSE { (y + 1).min(shared.guide.rows() - 1) } else { y.saturating_sub(1) };
         self.look_up_penalties(&shared.p2, shared.guide.row(y), shared.guide.row(before), REVERSE);
+        // Paths begin in a sweep's first row.
+        if let Some(prior) = shared.prior.filter(|_| before != y) {
+            prior.rises(y, REVERSE, &mut self.transitions.rise);
+        }
         shared.costs.fill_row(y, &mut self.costs);
         let [old, new] = &mut self.states;
         paths_of_row::<REVERSE, ADD>(
             shared.level,
             &self.costs,
             padded(shared.costs.count()),
-            &self.penalty,
+            &self.transitions,
             shared.p1,
             old,
             new,
@@ -130,12 +138,13 @@ impl SemiGlobal {
     /// any order, with `padded(count)` sums per column.
     ///
     /// `guide` is the grey image whose steps lower the large penalty; `rows` takes what `finish`
-    /// makes of each row.
+    /// makes of each row. With a `prior` the paths follow its surfaces.
     pub fn run<C: CostRows, R: Send>(
         &mut self,
         level: Level,
         costs: &C,
         guide: &Plane<u8>,
+        prior: Option<&SurfacePrior>,
         penalties: &Penalties,
         rows: &mut [R],
         finish: impl Fn(usize, &[u16], &mut R) + Sync,
@@ -146,7 +155,8 @@ impl SemiGlobal {
         let pitch = columns * count;
         self.sums.resize(pitch * height, 0);
         self.sweeps.iter_mut().for_each(|s| s.reset(columns, count));
-        let shared = Shared { level, costs, guide, p1: penalties.p1, p2: penalties.table() };
+        let (p1, p2) = (penalties.p1, penalties.table());
+        let shared = Shared { level, costs, guide, prior, p1, p2 };
         let middle = height / 2;
         let (upper, lower) = self.sums.split_at_mut(pitch * middle);
         let (upper_rows, lower_rows) = rows.split_at_mut(middle);
@@ -274,9 +284,17 @@ mod tests {
                 let mut found = vec![Vec::new(); rows];
                 let mut memory = SemiGlobal::default();
                 pool.install(|| {
-                    memory.run(level, &given, &guide, &penalties, &mut found, |_, sums, row| {
-                        *row = sums.to_vec();
-                    });
+                    memory.run(
+                        level,
+                        &given,
+                        &guide,
+                        None,
+                        &penalties,
+                        &mut found,
+                        |_, sums, row| {
+                            *row = sums.to_vec();
+                        },
+                    );
                 });
                 for (y, row) in found.iter().enumerate() {
                     for x in 0..columns {

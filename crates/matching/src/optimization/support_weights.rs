@@ -23,6 +23,7 @@ use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
+use crate::refinement::plane_fit::Surface;
 
 /// Half the window.
 const RADIUS: usize = 5;
@@ -133,14 +134,6 @@ pub(crate) struct Pair<'a> {
     pub first: usize,
     pub least: f32,
     pub most: f32,
-}
-
-/// A plane through a pixel: its disparity there, and the change per column and per row.
-#[derive(Debug, Clone, Copy, Default)]
-struct Surface {
-    disparity: f32,
-    along: f32,
-    down: f32,
 }
 
 /// The memory of the method, kept between frames.

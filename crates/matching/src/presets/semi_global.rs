@@ -18,6 +18,7 @@ use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::{Looks, Pair, SupportWeights};
+use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
@@ -30,6 +31,8 @@ use crate::selection::winner::{
 
 /// What changes of disparity cost.
 const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
+/// So often paths that follow the surfaces of the run before are run once more.
+const FOLLOWING_RUNS: usize = 2;
 /// Smaller groups of equal disparity are speckles.
 const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
@@ -46,7 +49,8 @@ const MISMATCHED: f32 = 0.05;
 pub(crate) enum Finish {
     /// Holes filled, and a median.
     Median,
-    /// Before that, both views take planes from their neighbourhood by adaptive support weights.
+    /// Before that, the paths follow the surfaces that they have found, [`FOLLOWING_RUNS`] times, and
+    /// both views take planes from their neighbourhood by adaptive support weights.
     SupportWeights,
 }
 
@@ -84,6 +88,7 @@ pub(crate) struct SemiGlobalMatching {
     guide: Plane<u8>,
     features: FeaturePair,
     optimizer: SemiGlobal,
+    prior: SurfacePrior,
     rows: Vec<Row>,
     /// The left view, and the right one as it looks in a mirror.
     left: View,
@@ -146,6 +151,7 @@ impl SemiGlobalMatching {
             guide: Plane::default(),
             features: FeaturePair::default(),
             optimizer: SemiGlobal::default(),
+            prior: SurfacePrior::default(),
             rows: Vec::new(),
             left: View::default(),
             right: View::default(),
@@ -270,16 +276,14 @@ impl View {
 }
 
 impl SemiGlobalMatching {
-    /// Disparities of both views by semi-global matching.
-    fn optimize(&mut self, space: &SearchSpace, work: BoundingBox) {
-        let [left, right] = &self.images;
-        let grey = [&self.grey[0], &self.grey[1]];
-        self.features.compute(self.level, [left, right], grey, work.y0, work.rows());
-        self.rows.resize_with(work.rows(), Row::default);
+    /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
+    /// the image.
+    fn optimize(&mut self, space: &SearchSpace, follow: bool) {
         self.optimizer.run(
             self.level,
             &self.features.costs(self.level, space),
             &self.guide,
+            follow.then_some(&self.prior),
             &PENALTIES,
             &mut self.rows,
             |_, sums, row| row.select(space, sums),
@@ -289,6 +293,15 @@ impl SemiGlobalMatching {
             self.right.map.values.row_mut(y).copy_from_slice(&row.right);
             self.confidence.row_mut(y).copy_from_slice(&row.confidence);
         }
+    }
+
+    /// Runs the paths again along the surfaces of the map as it is.
+    fn follow_surfaces(&mut self, space: &SearchSpace, search: Search) {
+        self.left.check(search, &self.right.map.values, self.right.map.first);
+        let View { map, filled, .. } = &mut self.left;
+        fill(search.width, search.range, map, filled);
+        self.prior.fit(&map.values, filled);
+        self.optimize(space, true);
     }
 
     /// Sharpens both views: each takes planes from its neighbourhood.
@@ -334,8 +347,15 @@ impl Pipeline for SemiGlobalMatching {
         self.right.begin(0, width, rows);
         self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
-            self.optimize(&space, work);
+            let [left, right] = &self.images;
+            let grey = [&self.grey[0], &self.grey[1]];
+            self.features.compute(self.level, [left, right], grey, work.y0, rows);
+            self.rows.resize_with(rows, Row::default);
+            self.optimize(&space, false);
             if self.finish == Finish::SupportWeights {
+                for _ in 0..FOLLOWING_RUNS {
+                    self.follow_surfaces(&space, search);
+                }
                 self.sharpen(search, work);
             }
             self.left.check(search, &self.right.map.values, self.right.map.first);

@@ -3,4 +3,5 @@
 pub(crate) mod groups;
 pub(crate) mod median;
 pub(crate) mod plane_fill;
+pub(crate) mod plane_fit;
 pub(crate) mod row_fill;

@@ -7,12 +7,13 @@
 //!   occluded), and at the ends of a row, both ends are continued along their planes, since a wall
 //!   that is seen at an angle goes on at this angle; a mismatched pixel takes the value as it is.
 //!
-//! The plane at a hole's end is a robust fit ([`slope_along_row`]). Rows without any value take
-//! those of the nearest row.
+//! The plane at a hole's end is a robust fit ([`Surface::fit`]). Rows without any value take those of
+//! the nearest row.
 
 use raster::{DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
+use super::plane_fit::Surface;
 use super::row_fill::{copy_nearest_rows, filled};
 use crate::selection::cross_check::ViewMap;
 
@@ -26,67 +27,6 @@ const STEEPEST: f32 = 0.5;
 /// A plane is continued over at most so many columns, and is flat from there on.
 const FARTHEST: f32 = 100.0;
 
-/// Half the window of a plane fit, in pixels, and the distance of its samples.
-const FIT_RADIUS: usize = 20;
-const FIT_STEP: usize = 2;
-/// Pulls slopes of small supports towards zero: added to the variance of the columns.
-const RIDGE: f32 = 5.0;
-/// Samples farther from the plane than this do not count, in pixels.
-const OUTLIER: f32 = 1.5;
-/// A fit with less support keeps what it has.
-const LEAST_SUPPORT: f32 = 5.0;
-
-/// By how much the disparity changes from column to column on the surface that pixel `(x, y)` lies
-/// on: a plane is fitted to the disparities around it, four times, each time to those near the
-/// plane before (Tukey's biweight). NaN values do not count.
-fn slope_along_row(values: &Plane<f32>, x: usize, y: usize) -> f32 {
-    let (columns, rows) = values.size();
-    let here = values.row(y)[x];
-    let (mut along, mut down, mut offset) = (0.0f32, 0.0f32, 0.0f32);
-    let start = |at: usize| at % FIT_STEP + (at - at % FIT_STEP).saturating_sub(FIT_RADIUS);
-    for round in 0..4 {
-        let (outlier, growth) = if round == 0 { (OUTLIER, 0.04) } else { (0.7 * OUTLIER, 0.01) };
-        // Weighted sums of 1, x, y, z and of their products.
-        let [mut s, mut sx, mut sy, mut sz] = [0.0f32; 4];
-        let [mut sxx, mut sxy, mut syy, mut sxz, mut syz] = [0.0f32; 5];
-        for v in (start(y)..=(y + FIT_RADIUS).min(rows - 1)).step_by(FIT_STEP) {
-            let dy = v as f32 - y as f32;
-            let row = values.row(v);
-            for u in (start(x)..=(x + FIT_RADIUS).min(columns - 1)).step_by(FIT_STEP) {
-                let dx = u as f32 - x as f32;
-                let z = row[u] - here;
-                let off = (z - along * dx - down * dy - offset).abs();
-                let limit = outlier + growth * (dx.abs() + dy.abs());
-                // Also leaves out NaN.
-                if off < limit {
-                    let w = 1.0 - (off / limit).powi(2);
-                    let w = w * w;
-                    s += w;
-                    sx += w * dx;
-                    sy += w * dy;
-                    sz += w * z;
-                    sxx += w * dx * dx;
-                    sxy += w * dx * dy;
-                    syy += w * dy * dy;
-                    sxz += w * dx * z;
-                    syz += w * dy * z;
-                }
-            }
-        }
-        if s < LEAST_SUPPORT {
-            break;
-        }
-        let (mx, my, mz) = (sx / s, sy / s, sz / s);
-        let (xx, yy) = (sxx / s - mx * mx + RIDGE, syy / s - my * my + RIDGE);
-        let (xy, xz, yz) = (sxy / s - mx * my, sxz / s - mx * mz, syz / s - my * mz);
-        let determinant = xx * yy - xy * xy;
-        along = (xz * yy - yz * xy) / determinant;
-        down = (yz * xx - xz * xy) / determinant;
-        offset = mz - along * mx - down * my;
-    }
-    along.clamp(-STEEPEST, STEEPEST)
-}
-
 /// An end of a hole, and the plane there.
 #[derive(Clone, Copy)]
 struct End {
@@ -97,8 +37,8 @@ struct End {
 
 impl End {
     fn of(values: &Plane<f32>, x: usize, y: usize, occluded: bool) -> Self {
-        let slope = if occluded { slope_along_row(values, x, y) } else { 0.0 };
-        Self { column: x as f32, value: values.row(y)[x], slope }
+        let slope = if occluded { Surface::fit(values, x, y).along } else { 0.0 };
+        Self { column: x as f32, value: values.row(y)[x], slope: slope.clamp(-STEEPEST, STEEPEST) }
     }
 
     fn continued(self, column: f32) -> f32 {

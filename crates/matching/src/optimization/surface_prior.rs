@@ -1,0 +1,113 @@
+//! Surfaces that the paths of semi-global matching follow (SGM-P: Scharstein, Taniai & Sinha, 3DV
+//! 2017).
+//!
+//! A path charges for every change of disparity, as if the world stood parallel to the image: a road
+//! becomes a staircase. Once a first run has told roughly how the surfaces lie, a path may follow
+//! them: where the plane at `p` rises across a whole disparity on the step from `q`,
+//!
+//! ```text
+//! rise = round(f_p(p)) - round(f_p(q))
+//! ```
+//!
+//! the change is free. `f_p` is a plane that is fitted robustly to the checked map around `p`, one
+//! for every [`CELL`] x [`CELL`] pixels. Pixels that it does not fit get none, and neither do holes
+//! that no such plane runs into.
+
+use raster::Plane;
+use rayon::prelude::*;
+
+use crate::refinement::plane_fit::Surface;
+
+/// Pixels that share a plane: a square with this side.
+const CELL: usize = 4;
+/// A plane farther from a pixel's disparity is not its own, in pixels.
+const FARTHEST: f32 = 1.5;
+/// Surfaces steeper than this, in disparities per pixel, are followed at this.
+const STEEPEST: f32 = 0.5;
+
+/// A surface per pixel, with its memory.
+#[derive(Default)]
+pub(crate) struct SurfacePrior {
+    cells: Plane<Surface>,
+    surfaces: Plane<Surface>,
+}
+
+impl SurfacePrior {
+    /// Surfaces of a checked map: `checked` has holes (NaN), `filled` none.
+    pub fn fit(&mut self, checked: &Plane<f32>, filled: &Plane<f32>) {
+        let (columns, rows) = checked.size();
+        let across = columns.div_ceil(CELL);
+        self.cells.reset(across, rows.div_ceil(CELL), Surface::default());
+        let middle = |cell: usize, end: usize| (cell * CELL + CELL / 2).min(end - 1);
+        self.cells.samples_mut().par_chunks_mut(across).enumerate().for_each(|(v, cells)| {
+            let y = middle(v, rows);
+            for (u, cell) in cells.iter_mut().enumerate() {
+                let x = middle(u, columns);
+                let hole = checked.row(y)[x].is_nan();
+                let nothing = Surface { disparity: f32::NAN, ..Surface::default() };
+                *cell = if hole { nothing } else { Surface::fit(checked, x, y) };
+            }
+        });
+        self.surfaces.reset(columns, rows, Surface::default());
+        let cells = &self.cells;
+        self.surfaces.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
+            let cells = cells.row(y / CELL);
+            let dy = y as f32 - middle(y / CELL, rows) as f32;
+            for (x, (surface, &value)) in row.iter_mut().zip(filled.row(y)).enumerate() {
+                let cell = cells[x / CELL];
+                let dx = x as f32 - middle(x / CELL, columns) as f32;
+                let disparity = cell.disparity + cell.along * dx + cell.down * dy;
+                *surface = Surface::default();
+                if (disparity - value).abs() < FARTHEST {
+                    let [along, down] =
+                        [cell.along, cell.down].map(|slope| slope.clamp(-STEEPEST, STEEPEST));
+                    *surface = Surface { disparity, along, down };
+                }
+            }
+        });
+    }
+
+    /// The rises of row `y` on the last step of four paths: from the previous, the same and the
+    /// next column of the row before, and along the row. In a `reverse` sweep the row before lies
+    /// below, and the path along the row comes from the right.
+    pub fn rises(&self, y: usize, reverse: bool, rises: &mut [Vec<i8>; 4]) {
+        let sign = if reverse { -1.0 } else { 1.0 };
+        let [from_previous, from_same, from_next, along_row] = rises;
+        for (x, &Surface { disparity, along, down }) in self.surfaces.row(y).iter().enumerate() {
+            let rise =
+                |step: f32| ((disparity + 0.5).floor() - (disparity - step + 0.5).floor()) as i8;
+            from_previous[x] = rise(along + sign * down);
+            from_same[x] = rise(sign * down);
+            from_next[x] = rise(-along + sign * down);
+            along_row[x] = rise(sign * along);
+        }
+        // Here the path along the row begins.
+        let last = along_row.len() - 1;
+        along_row[if reverse { last } else { 0 }] = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rises_stand_where_the_surface_crosses_half_a_disparity() {
+        // A floor d = 3.1 + 0.13 y; a pole at 20 in columns 30 to 32 has no plane of its own.
+        let floor = |y: usize| 3.1 + 0.13 * y as f32;
+        let values =
+            Plane::from_fn(64, 40, |x, y| if (30..33).contains(&x) { 20.0 } else { floor(y) });
+        let mut prior = SurfacePrior::default();
+        prior.fit(&values, &values);
+        let mut rises = std::array::from_fn(|_| vec![9; 64]);
+        for y in 10..30 {
+            prior.rises(y, false, &mut rises);
+            let expected = (floor(y).round() - floor(y - 1).round()) as i8;
+            assert_eq!(rises[1][10], expected, "row {y}");
+            assert_eq!(rises[3][10], 0, "row {y}");
+            assert_eq!(rises[1][31], 0, "row {y}");
+            prior.rises(y - 1, true, &mut rises);
+            assert_eq!(rises[1][10], -expected, "row {y}");
+        }
+    }
+}
