@@ -53,11 +53,6 @@ impl SearchSpace {
         let highest = (x - min).min(self.count as i64 - 1);
         lowest as usize..(highest + 1).max(lowest) as usize
     }
-
-    /// The right column of left column `x` at a disparity counted from `min`.
-    pub fn right_column(&self, x: usize, index: usize) -> usize {
-        (x as i64 - i64::from(self.min) - index as i64) as usize
-    }
 }
 
 #[cfg(test)]

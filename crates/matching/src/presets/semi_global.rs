@@ -25,9 +25,7 @@ use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
-use crate::selection::winner::{
-    NONE, fraction, left_winners, margin, right_fraction, right_winners,
-};
+use crate::selection::winner::{Winners, fraction, right_fraction};
 
 /// What changes of disparity cost.
 const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
@@ -101,9 +99,7 @@ pub(crate) struct SemiGlobalMatching {
 /// What the selection says of one row.
 #[derive(Default)]
 struct Row {
-    winners: Vec<u16>,
-    right_winners: Vec<u16>,
-    least: Vec<u16>,
+    winners: Winners,
     left: Vec<f32>,
     right: Vec<f32>,
     confidence: Vec<f32>,
@@ -111,31 +107,23 @@ struct Row {
 
 impl Row {
     /// Disparities of both views; those of the right one in mirror order.
-    fn select(&mut self, space: &SearchSpace, sums: &[u16]) {
-        self.winners.resize(space.columns(), NONE);
-        self.right_winners.resize(space.width, NONE);
-        self.least.resize(space.width, 0);
-        left_winners(space, sums, &mut self.winners);
-        right_winners(space, sums, &mut self.least, &mut self.right_winners);
-        let disparity = |k: u16, part: f32| (space.min + i32::from(k)) as f32 + part;
+    fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16]) {
+        self.winners.select(level, space, sums);
+        let disparity = |k: usize, part: f32| (space.min + k as i32) as f32 + part;
         self.left.clear();
         self.confidence.clear();
-        for (x, &k) in self.winners.iter().enumerate() {
-            let (mut value, mut confidence) = (f32::NAN, 0.0);
-            if k != NONE {
-                let candidates = space.candidates(space.first + x);
-                let sums = &sums[x * space.lanes..][..space.lanes];
-                value = disparity(k, fraction(sums, usize::from(k), candidates.clone()));
-                let margin = f32::from(margin(sums, usize::from(k), candidates));
-                confidence = margin / (margin + HALF_SURE);
-            }
+        for (x, &(winner, margin)) in self.winners.left.iter().enumerate() {
+            let sums = &sums[x * space.lanes..][..space.lanes];
+            let value = winner.disparity().map_or(f32::NAN, |k| {
+                disparity(k, fraction(sums, k, space.candidates(space.first + x)))
+            });
             self.left.push(value);
-            self.confidence.push(confidence);
+            self.confidence.push(f32::from(margin) / (f32::from(margin) + HALF_SURE));
         }
         self.right.clear();
-        self.right.extend(self.right_winners.iter().enumerate().rev().map(|(x, &k)| match k {
-            NONE => f32::NAN,
-            k => disparity(k, right_fraction(space, sums, x, usize::from(k))),
+        let right = self.winners.right(space).zip((0..space.width).rev());
+        self.right.extend(right.map(|(winner, x)| {
+            winner.disparity().map_or(f32::NAN, |k| disparity(k, right_fraction(space, sums, x, k)))
         }));
     }
 }
@@ -279,14 +267,15 @@ impl SemiGlobalMatching {
     /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
     /// the image.
     fn optimize(&mut self, space: &SearchSpace, follow: bool) {
+        let level = self.level;
         self.optimizer.run(
-            self.level,
-            &self.features.costs(self.level, space),
+            level,
+            &self.features.costs(level, space),
             &self.guide,
             follow.then_some(&self.prior),
             &PENALTIES,
             &mut self.rows,
-            |_, sums, row| row.select(space, sums),
+            |_, sums, row| row.select(level, space, sums),
         );
         for (y, row) in self.rows.iter().enumerate() {
             self.left.map.values.row_mut(y).copy_from_slice(&row.left);

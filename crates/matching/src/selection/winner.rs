@@ -10,40 +10,111 @@
 //! `(a - b) / (2 (max(a, b) - c))`, between -1/2 and 1/2.
 
 use crate::cost::SearchSpace;
+use crate::kernels::level::{Level, at_every_level};
 
-/// No disparity could be tried.
-pub(crate) const NONE: u16 = u16::MAX;
+/// A sum and its disparity in one number, the sum above: of two keys the smaller one wins. The
+/// largest stands for "no disparity could be tried".
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Key(u32);
 
-/// The disparity of least cost, counted from the smallest, for every column of the left row.
-pub(crate) fn left_winners(space: &SearchSpace, costs: &[u16], winners: &mut [u16]) {
-    for (x, (costs, winner)) in costs.chunks_exact(space.lanes).zip(winners).enumerate() {
-        let (mut best, mut least) = (NONE, u16::MAX);
-        for k in space.candidates(space.first + x) {
-            if costs[k] < least {
-                (best, least) = (k as u16, costs[k]);
-            }
-        }
-        *winner = best;
+impl Key {
+    const NONE: Key = Key(u32::MAX);
+
+    /// The disparity, counted from the smallest.
+    pub fn disparity(self) -> Option<usize> {
+        (self != Self::NONE).then_some((self.0 & 0xFFFF) as usize)
+    }
+
+    fn sum(self) -> u16 {
+        (self.0 >> 16) as u16
     }
 }
 
-/// The disparity of least cost for every column of the right row, over the left columns of the
-/// search space; [`NONE`] where no left column can match. `least` is scratch of the same length.
-pub(crate) fn right_winners(
-    space: &SearchSpace,
-    costs: &[u16],
-    least: &mut [u16],
-    winners: &mut [u16],
-) {
-    least.fill(u16::MAX);
-    winners.fill(NONE);
-    for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
-        let x = space.first + x;
-        for k in space.candidates(x) {
-            let right = space.right_column(x, k);
-            if costs[k] < least[right] {
-                (winners[right], least[right]) = (k as u16, costs[k]);
+/// The winners of a row in both views, with their memory.
+#[derive(Debug, Default)]
+pub(crate) struct Winners {
+    /// Per column of the search space: its winner, and how much lower its sum lies than that of any
+    /// disparity but its neighbours; 0 without any other.
+    pub left: Vec<(Key, u16)>,
+    /// Keys of the right view, as it looks in a mirror, between two margins.
+    right: Vec<u32>,
+}
+
+impl Winners {
+    /// Finds the winners of a row of sums, `space.lanes` per column.
+    pub fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16]) {
+        self.left.clear();
+        self.left.resize(space.columns(), (Key::NONE, 0));
+        self.right.clear();
+        self.right.resize(space.width + 2 * space.lanes, u32::MAX);
+        select_row(level, space, sums, &mut self.left, &mut self.right);
+    }
+
+    /// The winners of the right view, which stands in a mirror.
+    pub fn right<'a>(&'a self, space: &SearchSpace) -> impl Iterator<Item = Key> + use<'a> {
+        self.right[space.lanes..][..space.width].iter().map(|&key| Key(key))
+    }
+}
+
+/// Disparities that are handled together.
+const LANES: usize = 32;
+
+#[inline(always)]
+fn least<const N: usize, T: Copy + Ord>(values: [T; N]) -> T {
+    let mut values = values;
+    let mut half = N / 2;
+    while half > 0 {
+        for i in 0..half {
+            values[i] = values[i].min(values[i + half]);
+        }
+        half /= 2;
+    }
+    values[0]
+}
+
+at_every_level! {
+    /// One pass over the sums of each column serves both views: in the mirror the right columns that
+    /// a left one can match stand in the order of their disparities, so that whole vectors of keys
+    /// meet the least so far.
+    fn select_row(space: &SearchSpace, sums: &[u16], left: &mut [(Key, u16)], right: &mut [u32]) {
+        for (x, sums) in sums.chunks_exact(space.lanes).enumerate() {
+            let candidates = space.candidates(space.first + x);
+            if candidates.is_empty() {
+                continue;
             }
+            let (start, count) = (candidates.start as u32, candidates.len() as u32);
+            // Where disparity 0 of this column stands among the right keys.
+            let mirrored = (space.width - 1) as i64 - (space.first + x) as i64 + i64::from(space.min);
+            let place = (mirrored + space.lanes as i64) as usize;
+            let right = &mut right[place..place + space.lanes];
+            let mut lowest = [u32::MAX; LANES];
+            let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
+            for (group, (sums, right)) in groups.enumerate() {
+                for i in 0..LANES {
+                    let k = (group * LANES + i) as u32;
+                    let key = u32::from(sums[i]) << 16 | k;
+                    let key = if k.wrapping_sub(start) < count { key } else { u32::MAX };
+                    lowest[i] = lowest[i].min(key);
+                    right[i] = right[i].min(key);
+                }
+            }
+            let winner = Key(least(lowest));
+            let neighbour = (winner.0 as u16).wrapping_sub(1);
+            let mut others = [u16::MAX; LANES];
+            for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
+                for i in 0..LANES {
+                    let k = (group * LANES + i) as u16;
+                    let other = k.wrapping_sub(neighbour) > 2;
+                    let tried = k.wrapping_sub(start as u16) < count as u16;
+                    let sum = if other & tried { sums[i] } else { u16::MAX };
+                    others[i] = others[i].min(sum);
+                }
+            }
+            let margin = match least(others) {
+                u16::MAX => 0,
+                second => second - winner.sum(),
+            };
+            left[x] = (winner, margin);
         }
     }
 }
@@ -76,54 +147,63 @@ pub(crate) fn right_fraction(space: &SearchSpace, costs: &[u16], x: usize, winne
     fraction(&diagonal, 1, 0..3)
 }
 
-/// How much the winner's cost lies below that of any disparity but its neighbours.
-pub(crate) fn margin(costs: &[u16], winner: usize, candidates: std::ops::Range<usize>) -> u16 {
-    let before = &costs[candidates.start..winner.saturating_sub(1).max(candidates.start)];
-    let after = &costs[(winner + 2).min(candidates.end)..candidates.end];
-    let least = |costs: &[u16]| costs.iter().copied().fold(u16::MAX, u16::min);
-    match least(before).min(least(after)) {
-        u16::MAX => 0,
-        second => second - costs[winner],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use raster::{BoundingBox, DisparityRange};
 
-    fn space(columns: usize, min: i32, max: i32) -> SearchSpace {
-        SearchSpace::new(
-            columns,
-            BoundingBox::whole(columns, 1),
-            DisparityRange::new(min, max).unwrap(),
-        )
+    type Definition = (Vec<Option<(usize, u16)>>, Vec<Option<usize>>);
+
+    /// Left winners with their margins, and right winners in the mirror, disparity by disparity.
+    fn definition(space: &SearchSpace, sums: &[u16]) -> Definition {
+        let sum = |x: usize, k: usize| sums[(x - space.first) * space.lanes + k];
+        let columns = space.first..=space.last;
+        let left = columns.clone().map(|x| {
+            let winner = space.candidates(x).min_by_key(|&k| sum(x, k))?;
+            let others = space.candidates(x).filter(|k| k.abs_diff(winner) > 1);
+            let second = others.map(|k| sum(x, k)).min();
+            Some((winner, second.map_or(0, |second| second - sum(x, winner))))
+        });
+        let right = (0..space.width).rev().map(|right| {
+            let pairs = columns.clone().filter_map(|x| {
+                let k = space
+                    .candidates(x)
+                    .find(|&k| x as i32 - space.min - k as i32 == right as i32)?;
+                Some((sum(x, k), k))
+            });
+            pairs.min().map(|(_, k)| k)
+        });
+        (left.collect(), right.collect())
     }
 
     #[test]
-    fn the_least_cost_inside_the_right_image_wins() {
-        let space = space(3, 0, 2);
-        let mut costs = vec![9; 3 * space.lanes];
-        for (x, row) in [[5, 0, 0], [7, 7, 0], [4, 2, 3]].iter().enumerate() {
-            costs[x * space.lanes..][..3].copy_from_slice(row);
+    fn winners_are_the_definitions_at_every_level() {
+        let mut state = 5u32;
+        let mut random = |n: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            ((state >> 16) % n) as u16
+        };
+        for (width, columns, range) in [
+            (50, (0, 49), (0, 36)),
+            (50, (7, 31), (-9, 30)),
+            (20, (3, 12), (8, 60)),
+            (9, (0, 8), (2, 2)),
+        ] {
+            let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
+            let space =
+                SearchSpace::new(width, bounds, DisparityRange::new(range.0, range.1).unwrap());
+            let sums: Vec<u16> = (0..space.columns() * space.lanes).map(|_| random(40)).collect();
+            let (left, right) = definition(&space, &sums);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                let mut winners = Winners::default();
+                winners.select(level, &space, &sums);
+                let found = winners.left.iter().map(|&(key, m)| key.disparity().map(|k| (k, m)));
+                assert_eq!(found.collect::<Vec<_>>(), left, "{space:?}");
+                let found = winners.right(&space).map(Key::disparity);
+                assert_eq!(found.collect::<Vec<_>>(), right, "{space:?}");
+            }
         }
-        let mut left = [0; 3];
-        left_winners(&space, &costs, &mut left);
-        // Column 0 may only match right column 0; of equal costs the smaller disparity wins.
-        assert_eq!(left, [0, 0, 1]);
-        let (mut least, mut right) = ([0; 3], [0; 3]);
-        right_winners(&space, &costs, &mut least, &mut right);
-        // Right 0: left 0, 1, 2 at disparity 0, 1, 2 cost 5, 7, 3. Right 1: 7 and 2. Right 2: 4.
-        assert_eq!((right, least), ([2, 1, 0], [3, 2, 4]));
-    }
-
-    #[test]
-    fn nothing_wins_where_nothing_can_be_tried() {
-        let space = space(3, 2, 5);
-        let costs = vec![1; 3 * space.lanes];
-        let mut left = [0; 3];
-        left_winners(&space, &costs, &mut left);
-        assert_eq!(left, [NONE, NONE, 0]);
     }
 
     #[test]
