@@ -82,6 +82,26 @@ fn a_wrong_answer_is_a_bad_result() {
 }
 
 #[test]
+fn what_an_engine_says_of_its_time_is_kept_unless_it_is_nonsense() {
+    let folder = tempfile::tempdir().unwrap();
+    npy::write(folder.path().join("answer.npy"), &Plane::filled(SIZE.0, SIZE.1, 5f32)).unwrap();
+    let says = |seconds: &str| {
+        let answer = folder.path().join("answer.npy");
+        let script = format!(
+            "{LOOP}; cp {} disparity.npy
+             echo \"{{\\\"hazcam\\\":\\\"done\\\",\\\"job\\\":$i{seconds}}}\"; done",
+            answer.display()
+        );
+        ask(&mut worker(scripted(folder.path(), "protocol", &script)), 0)
+    };
+    assert_eq!(says(r#",\"seconds\":0.5"#).claimed_seconds, Some(0.5));
+    let silent = says("");
+    assert_eq!((silent.status, silent.claimed_seconds), (Status::Done, None));
+    let nonsense = says(r#",\"seconds\":-1"#).status.to_string();
+    assert!(nonsense.contains("matching took -1 s, which must not be negative"), "{nonsense}");
+}
+
+#[test]
 fn an_engine_that_cannot_start_is_tried_once() {
     let folder = tempfile::tempdir().unwrap();
     let script = format!("echo x >> {}/starts; exit 1", folder.path().display());

@@ -38,6 +38,9 @@ pub enum FromEngine {
     Done {
         /// The job's number.
         job: u64,
+        /// How long the matching alone took, in seconds, by the engine's own clock.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        seconds: Option<f64>,
     },
     /// There will be no answer to this job; the next one is welcome.
     Failed {
@@ -139,7 +142,11 @@ mod tests {
     fn messages_are_told_from_chatter() {
         assert_eq!(
             parse_line("{\"hazcam\":\"done\",\"job\":7,\"note\":\"unknown keys are ignored\"}\n"),
-            Line::Message(FromEngine::Done { job: 7 })
+            Line::Message(FromEngine::Done { job: 7, seconds: None })
+        );
+        assert_eq!(
+            parse_line(r#"{"hazcam":"done","job":7,"seconds":0.25}"#),
+            Line::Message(FromEngine::Done { job: 7, seconds: Some(0.25) })
         );
         assert_eq!(
             parse_line(r#"{"hazcam":"ready","protocol":1,"name":"mine"}"#),

@@ -1,6 +1,7 @@
 //! The engine's side of the protocol, for engines written in Rust.
 
 use std::io::{self, BufRead, Write};
+use std::time::Duration;
 
 use raster::Image;
 
@@ -9,14 +10,14 @@ use super::protocol::{self, FromEngine, Job, Ready, ToEngine};
 
 /// Says that the engine is ready, then answers jobs until the input ends.
 ///
-/// `matcher` gets the job and its images; what it returns as an error becomes the message of
-/// `failed`. Errors when a line is no message, or when nobody listens any more.
+/// `matcher` gets the job and its images, and returns the answer with the time that the matching
+/// alone took; what it returns as an error becomes the message of `failed`. Errors when a line is no message, or when nobody listens any more.
 pub fn serve(
     input: impl BufRead,
     mut output: impl Write,
     name: &str,
     version: &str,
-    mut matcher: impl FnMut(&Job, &Image, &Image) -> Result<Answer, String>,
+    mut matcher: impl FnMut(&Job, &Image, &Image) -> Result<(Answer, Duration), String>,
 ) -> io::Result<()> {
     let ready = Ready {
         protocol: protocol::VERSION,
@@ -31,9 +32,12 @@ pub fn serve(
         let written = read_images(&job)
             .map_err(|error| error.to_string())
             .and_then(|(left, right)| matcher(&job, &left, &right))
-            .and_then(|answer| write_answer(&job, &answer).map_err(|error| error.to_string()));
+            .and_then(|(answer, took)| match write_answer(&job, &answer) {
+                Ok(()) => Ok(took),
+                Err(error) => Err(error.to_string()),
+            });
         let message = match written {
-            Ok(()) => FromEngine::Done { job: job.job },
+            Ok(took) => FromEngine::Done { job: job.job, seconds: Some(took.as_secs_f64()) },
             Err(message) => FromEngine::Failed { job: job.job, message },
         };
         say(&mut output, &message)?;
@@ -68,11 +72,11 @@ mod tests {
         let input = format!("{}\n{}\n", line(&job), line(&Job { job: 2, ..job.clone() }));
         let mut output = Vec::new();
         serve(input.as_bytes(), &mut output, "test", "1", |job, left, _| match job.job {
-            1 => Ok(Answer {
-                disparity: Plane::filled(left.columns(), left.rows(), 1.0),
-                reasons: None,
-                confidence: None,
-            }),
+            1 => {
+                let disparity = Plane::filled(left.columns(), left.rows(), 1.0);
+                let answer = Answer { disparity, reasons: None, confidence: None };
+                Ok((answer, Duration::from_millis(250)))
+            }
             _ => Err("no more".into()),
         })
         .unwrap();
@@ -82,7 +86,7 @@ mod tests {
             .map(|line| serde_json::from_str(line).unwrap())
             .collect();
         assert!(matches!(&said[0], FromEngine::Ready(ready) if ready.protocol == 1));
-        assert_eq!(said[1], FromEngine::Done { job: 1 });
+        assert_eq!(said[1], FromEngine::Done { job: 1, seconds: Some(0.25) });
         assert_eq!(said[2], FromEngine::Failed { job: 2, message: "no more".into() });
         assert_eq!(read_answer(&job).unwrap().disparity.samples()[0], 1.0);
     }

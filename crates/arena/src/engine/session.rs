@@ -31,6 +31,7 @@ pub struct Session {
     scratch: PathBuf,
     ready: Ready,
     startup: Usage,
+    claimed_seconds: Option<f64>,
     limits: Limits,
     exited: bool,
 }
@@ -63,6 +64,7 @@ impl Session {
             scratch: scratch.to_owned(),
             ready: Ready::default(),
             startup: Usage::default(),
+            claimed_seconds: None,
             exited: false,
             child,
             stdin,
@@ -101,6 +103,11 @@ impl Session {
     /// What it used until it was ready.
     pub fn startup(&self) -> Usage {
         self.startup
+    }
+
+    /// How long its last answer says that the matching alone took, in seconds.
+    pub fn claimed_seconds(&self) -> Option<f64> {
+        self.claimed_seconds
     }
 
     /// The folder that belongs to the engine.
@@ -145,15 +152,26 @@ impl Session {
     }
 
     fn exchange(&mut self, job: &Job, meter: &mut Meter) -> Result<Status, Status> {
+        self.claimed_seconds = None;
         self.send(&ToEngine::Job(job.clone()), meter)?;
         let message = self.wait_for_message(meter, self.limits.wall, self.limits.cpu)?;
         Err(Status::ProtocolError {
             message: match message {
-                FromEngine::Done { job: number } if number == job.job => return Ok(Status::Done),
+                FromEngine::Done { job: number, seconds } if number == job.job => match seconds {
+                    Some(seconds) if seconds < 0.0 => {
+                        format!(
+                            "it says that matching took {seconds} s, which must not be negative"
+                        )
+                    }
+                    _ => {
+                        self.claimed_seconds = seconds;
+                        return Ok(Status::Done);
+                    }
+                },
                 FromEngine::Failed { job: number, message } if number == job.job => {
                     return Ok(Status::Failed { message });
                 }
-                FromEngine::Done { job: number } | FromEngine::Failed { job: number, .. } => {
+                FromEngine::Done { job: number, .. } | FromEngine::Failed { job: number, .. } => {
                     format!("it answered job {number} when job {} was asked for", job.job)
                 }
                 FromEngine::Ready(_) => "it said `ready` a second time".into(),

@@ -110,7 +110,10 @@ mod tests {
         let output = b"hello\n{\"hazcam\":\"done\",\"job\":1}\n\xff\xfe\nbye".as_slice();
         let log = Log::default();
         let heard: Vec<_> = listen(output, log.clone()).iter().collect();
-        assert_eq!(heard, [Heard::Message(FromEngine::Done { job: 1 }), Heard::Closed]);
+        assert_eq!(
+            heard,
+            [Heard::Message(FromEngine::Done { job: 1, seconds: None }), Heard::Closed]
+        );
         assert!(log.text().starts_with("hello\n") && log.text().ends_with("\nbye"));
         assert_eq!(log.last_line().as_deref(), Some("bye"));
     }

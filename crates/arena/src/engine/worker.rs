@@ -21,7 +21,7 @@ pub struct Attempt {
     pub usage: Usage,
     /// The answer; there is one exactly when the status is [`Status::Done`].
     pub answer: Option<Answer>,
-    /// The time in seconds that the program itself claims (Robust Vision programs only).
+    /// How long the engine itself says that the matching took, in seconds, if it does.
     pub claimed_seconds: Option<f64>,
     /// What it said besides messages, its last 16 KiB.
     pub log: String,
@@ -150,19 +150,15 @@ impl Worker {
             Err(status) => return Attempt::without_answer(status, Usage::default()),
         };
         let (status, usage) = session.run(&job);
-        let log = session.log();
+        let (log, claimed_seconds) = (session.log(), session.claimed_seconds());
         let answer = match status {
             Status::Done => exchange::read_answer(&job),
             other => return Attempt { log, ..Attempt::without_answer(other, usage) },
         };
         match answer {
-            Ok(answer) => Attempt {
-                status: Status::Done,
-                usage,
-                answer: Some(answer),
-                claimed_seconds: None,
-                log,
-            },
+            Ok(answer) => {
+                Attempt { status: Status::Done, usage, answer: Some(answer), claimed_seconds, log }
+            }
             Err(message) => {
                 // It may be in any state; the next pair gets a new process.
                 self.session = None;

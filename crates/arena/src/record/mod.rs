@@ -71,7 +71,7 @@ pub struct Record {
     pub repeatable: Option<bool>,
     /// What the engine's start used, apart from the runs.
     pub startup: Option<Usage>,
-    /// The time in seconds that a Robust Vision program itself claims.
+    /// How long the engine itself says that the matching took in the last run, in seconds.
     pub claimed_seconds: Option<f64>,
     /// Where it ran.
     pub machine: Machine,

@@ -3,6 +3,7 @@
 
 use std::io;
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use arena::engine::protocol::Job;
@@ -57,7 +58,7 @@ fn answer(
     job: &Job,
     left: &Image,
     right: &Image,
-) -> Result<Answer, String> {
+) -> Result<(Answer, Duration), String> {
     let range = job.range().map_err(|error| error.to_string())?;
     let bounds = job.bounding_box().map_err(|error| error.to_string())?;
     if !matches!(kept, Some((known, count, _)) if *known == range && *count == threads) {
@@ -67,10 +68,13 @@ fn answer(
         *kept = Some((range, threads, matcher));
     }
     let (_, _, matcher) = kept.as_mut().expect("it has just been made");
+    let started = Instant::now();
     let map = matcher.compute(left, right, Some(bounds)).map_err(|error| error.to_string())?;
-    Ok(Answer {
+    let took = started.elapsed();
+    let answer = Answer {
         disparity: map.values.clone(),
         reasons: Some(map.reasons.clone()),
         confidence: Some(map.confidence.clone()),
-    })
+    };
+    Ok((answer, took))
 }
