@@ -9,5 +9,6 @@ pub mod record;
 pub mod report;
 pub mod run;
 pub mod sandbox;
+pub mod speed;
 pub mod submission;
 pub mod viewer;

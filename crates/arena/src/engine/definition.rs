@@ -124,6 +124,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("balanced.toml", include_str!("../../engines/balanced.toml")),
     ("best.toml", include_str!("../../engines/best.toml")),
     ("opencv-bm.toml", include_str!("../../engines/opencv-bm.toml")),
+    ("opencv-bm-9x9.toml", include_str!("../../engines/opencv-bm-9x9.toml")),
     ("opencv-sgbm.toml", include_str!("../../engines/opencv-sgbm.toml")),
     ("opencv-3way.toml", include_str!("../../engines/opencv-3way.toml")),
     ("opencv-hh.toml", include_str!("../../engines/opencv-hh.toml")),

@@ -1,11 +1,12 @@
 //! The machine that a record was made on.
 
+use std::borrow::Cow;
 use std::fs;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a reader must know of a machine to judge a time.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// The processor's name, as the system tells it.
     pub cpu: Option<String>,
@@ -14,9 +15,9 @@ pub struct Machine {
     /// The vector instructions that hazcam's presets use here.
     pub level: Option<String>,
     /// The architecture.
-    pub architecture: &'static str,
+    pub architecture: Cow<'static, str>,
     /// The operating system.
-    pub system: &'static str,
+    pub system: Cow<'static, str>,
 }
 
 impl Machine {
@@ -26,8 +27,8 @@ impl Machine {
             cpu: cpu_name(),
             cores: std::thread::available_parallelism().map_or(1, |n| n.get()),
             level,
-            architecture: std::env::consts::ARCH,
-            system: std::env::consts::OS,
+            architecture: std::env::consts::ARCH.into(),
+            system: std::env::consts::OS.into(),
         }
     }
 }

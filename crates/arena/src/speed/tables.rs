@@ -1,0 +1,199 @@
+//! Runs as tables: everything that was measured, engines against their peers, and how time grows.
+
+use super::peers::PEERS;
+use super::record::Run;
+use crate::engine::Status;
+use crate::report::{Cell, Column, Table, in_order};
+
+/// One row for each engine of each run: shortest and median time of matching, the rate that follows
+/// from the median, CPU time and memory. There is a column for the status when something failed.
+pub fn measurements_table(runs: &[Run]) -> Table {
+    let mut columns = vec![
+        Column::grouped("scene"),
+        Column::grouped("size"),
+        Column::grouped("threads"),
+        Column::new("matcher"),
+    ];
+    columns.extend(["runs", "min ms", "median ms", "MDE/s", "CPU ms", "MB"].map(Column::new));
+    let all = || runs.iter().flat_map(|run| &run.measurements);
+    let with_status = all().any(|measurement| measurement.status != Status::Done);
+    if with_status {
+        columns.push(Column::new("status"));
+    }
+    let mut table = Table { columns, rows: Vec::new() };
+    for run in runs {
+        for measurement in &run.measurements {
+            let median = measurement.median();
+            let mut row = place(run).to_vec();
+            row.push(Cell::text(&measurement.engine));
+            row.push(Cell::Number(measurement.seconds.len() as f64, 0));
+            row.push(milliseconds(measurement.minimum()));
+            row.push(milliseconds(median));
+            row.push(Cell::number(median.map(|seconds| run.rate(seconds) / 1e6), 0));
+            row.push(milliseconds(measurement.cpu_seconds));
+            row.push(megabytes(measurement.peak_memory_bytes));
+            if with_status {
+                row.push(Cell::text(measurement.status.name()));
+            }
+            table.push(row);
+        }
+    }
+    table
+}
+
+/// One row for each pair of [`PEERS`] that met in a run: both medians, how many times as long the
+/// peer takes, hazcam's rate and both peaks of memory.
+pub fn peers_table(runs: &[Run]) -> Table {
+    let mut columns =
+        vec![Column::grouped("scene"), Column::grouped("size"), Column::grouped("threads")];
+    columns.extend(
+        ["matcher", "peer", "ms", "peer ms", "ratio", "MDE/s", "MB", "peer MB"].map(Column::new),
+    );
+    let mut table = Table { columns, rows: Vec::new() };
+    for run in runs {
+        for (engine, peer) in PEERS {
+            let (Some(own), Some(other)) = (run.of(engine), run.of(peer)) else { continue };
+            let mut row = place(run).to_vec();
+            row.extend([Cell::text(engine), Cell::text(peer)]);
+            row.extend([own, other].map(|measurement| milliseconds(measurement.median())));
+            row.push(Cell::number(run.ratio(engine, peer), 2));
+            row.push(Cell::number(own.median().map(|seconds| run.rate(seconds) / 1e6), 0));
+            row.extend([own, other].map(|measurement| megabytes(measurement.peak_memory_bytes)));
+            table.push(row);
+        }
+    }
+    table
+}
+
+/// One row for each run, a column for each engine: nanoseconds per pixel and disparity, which stay
+/// the same from size to size where time grows with the work alone.
+pub fn sweep_table(runs: &[Run]) -> Table {
+    let engines =
+        in_order(runs.iter().flat_map(|run| &run.measurements).map(|found| found.engine.as_str()));
+    let mut columns = ["size", "Mpixel", "threads"].map(Column::new).to_vec();
+    columns.extend(engines.iter().map(|engine| Column::new(format!("{engine} ns"))));
+    let mut table = Table { columns, rows: Vec::new() };
+    for run in runs {
+        let [_, size, threads] = place(run);
+        let megapixels = (run.columns * run.rows) as f64 / 1e6;
+        let mut row = vec![size, Cell::Number(megapixels, 1), threads];
+        row.extend(engines.iter().map(|engine| {
+            let median = run.of(engine).and_then(|measurement| measurement.median());
+            Cell::number(median.map(|seconds| 1e9 / run.rate(seconds)), 2)
+        }));
+        table.push(row);
+    }
+    table
+}
+
+fn place(run: &Run) -> [Cell; 3] {
+    let size = format!("{} x {} x {}", run.columns, run.rows, run.disparities);
+    [Cell::text(&run.scene), Cell::text(size), Cell::Number(run.threads as f64, 0)]
+}
+
+fn milliseconds(seconds: Option<f64>) -> Cell {
+    Cell::number(seconds.map(|seconds| seconds * 1e3), 1)
+}
+
+fn megabytes(bytes: Option<u64>) -> Cell {
+    Cell::number(bytes.map(|bytes| bytes as f64 / 1e6), 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Definition, Engines};
+    use crate::record::Machine;
+    use crate::speed::{Measurement, Record};
+
+    fn measured(engine: &str, seconds: &[f64]) -> Measurement {
+        let known = Engines::built_in();
+        let definition: &Definition = known.named(engine).unwrap();
+        Measurement {
+            seconds: seconds.to_vec(),
+            cpu_seconds: Some(0.03),
+            peak_memory_bytes: Some(21_400_000),
+            ..Measurement::new(definition, Some("1"))
+        }
+    }
+
+    /// A thousand pixels by a hundred by ten disparities: a million evaluations.
+    fn a_run() -> Run {
+        Run {
+            scene: "strip".into(),
+            columns: 1000,
+            rows: 100,
+            disparities: 10,
+            threads: 2,
+            sweep: false,
+            hazcam: "0.1.0".into(),
+            command: "hazcam bench --speed".into(),
+            date: "2026-01-31".into(),
+            machine: Machine::this(None),
+            measurements: vec![
+                measured("fast", &[0.012, 0.010, 0.008]),
+                measured("opencv-bm-9x9", &[0.030, 0.020, 0.025]),
+                Measurement {
+                    status: Status::Failed { message: "no memory".into() },
+                    ..measured("opencv-hh", &[])
+                },
+            ],
+        }
+    }
+
+    #[test]
+    fn minimum_median_and_rate_of_every_engine() {
+        assert_eq!(
+            measurements_table(&[a_run()]).to_text(),
+            "scene  size             threads  matcher        runs  min ms  median ms  MDE/s  CPU ms  \
+             MB  status\n\
+             strip  1000 x 100 x 10        2  fast              3     8.0       10.0    100    30.0  \
+             21  done\n\
+             \x20                                opencv-bm-9x9     3    20.0       25.0     40    30.0  \
+             21  done\n\
+             \x20                                opencv-hh         0       -          -      -    30.0  \
+             21  failed\n"
+        );
+    }
+
+    #[test]
+    fn the_ratio_is_that_of_the_medians_of_those_that_met() {
+        let run = a_run();
+        assert_eq!(run.ratio("fast", "opencv-bm-9x9"), Some(2.5));
+        assert_eq!(run.ratio("fast", "opencv-hh"), None);
+        let table = peers_table(&[run]);
+        assert_eq!(
+            table.to_csv(),
+            "scene,size,threads,matcher,peer,ms,peer ms,ratio,MDE/s,MB,peer MB\r\n\
+             strip,1000 x 100 x 10,2,fast,opencv-bm-9x9,10,25,2.5,100,21.4,21.4\r\n"
+        );
+    }
+
+    #[test]
+    fn a_sweep_shows_time_per_pixel_and_disparity() {
+        assert_eq!(
+            sweep_table(&[a_run()]).to_csv(),
+            "size,Mpixel,threads,fast ns,opencv-bm-9x9 ns,opencv-hh ns\r\n\
+             1000 x 100 x 10,0.1,2,10,25,\r\n"
+        );
+    }
+
+    #[test]
+    fn a_record_keeps_one_run_for_each_scene_and_number_of_threads() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("speed.json");
+        let mut record = Record::default();
+        let alone = Run { threads: 1, ..a_run() };
+        let later = Run { date: "2026-02-01".into(), ..a_run() };
+        let other = Run { scene: "other".into(), ..a_run() };
+        for run in [a_run(), other.clone(), alone.clone(), later.clone()] {
+            record.put(run);
+        }
+        assert_eq!(record.runs, [later, alone, other]);
+        record.write(&path).unwrap();
+        assert_eq!(Record::read(&path).unwrap(), record);
+        std::fs::write(&path, "{}").unwrap();
+        let error = Record::read(&path).unwrap_err().to_string();
+        assert!(error.contains("speed.json holds no record") && error.contains("missing field"));
+    }
+}
