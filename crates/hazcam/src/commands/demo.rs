@@ -36,7 +36,7 @@ pub struct Args {
 
 /// Renders, matches, shows.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
-    let cases = scenes::matching(rendered::demo(), args.scenes.as_deref())?;
+    let cases = scenes::matching(rendered::demo(), |case| &case.id, args.scenes.as_deref())?;
     let engines = args.engines.definitions(&[], None)?;
     let mut output = Output::in_folder(args.out, true)?;
     output.view = View::Regions;

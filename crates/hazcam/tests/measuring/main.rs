@@ -4,6 +4,7 @@
 mod bench;
 mod demo;
 mod engine;
+mod speed;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -45,8 +45,8 @@ impl Contest {
             programs: EngineArguments::programs()?,
             limits: engines.limits(),
             threads: engines.threads,
-            repeats: engines.repeats(),
-            machine: Machine::this(Level::chosen().ok().map(|level| level.name().into())),
+            repeats: engines.repeats(1),
+            machine: this_machine(),
         };
         let Outcome { records, unreadable, .. } = conduct(&plan, &mut output, ui)?;
         ui.print(&output.finish(&records, self.reference.as_deref())?)?;
@@ -66,6 +66,18 @@ impl Contest {
         };
         broken.iter().for_each(|line| ui.fail(line));
         Ok(if broken.is_empty() { ExitCode::SUCCESS } else { cli::THRESHOLD_FAILED.into() })
+    }
+}
+
+/// The machine with the vector instructions that the presets use.
+pub fn this_machine() -> Machine {
+    Machine::this(Level::chosen().ok().map(|level| level.name().into()))
+}
+
+/// Says which engines cannot work here and why, a line for each reason.
+pub fn tell_absent(absent: Vec<(String, String)>, ui: &Ui) {
+    for (names, message) in by_message(absent) {
+        ui.note(format_args!("{} left out: {message}", names.join(", ")));
     }
 }
 
@@ -97,9 +109,7 @@ fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome>
         ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();
-    for (names, message) in by_message(absent) {
-        ui.note(format_args!("{} left out: {message}", names.join(", ")));
-    }
+    tell_absent(absent, ui);
     match failure {
         Some(error) => Err(error),
         None => Ok(outcome),

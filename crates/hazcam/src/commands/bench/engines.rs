@@ -31,10 +31,9 @@ pub struct EngineArguments {
     #[arg(long, value_name = "N", default_value = "1", value_parser = arguments::threads)]
     pub threads: usize,
 
-    /// How often each pair is matched; the times of the median run are shown
-    #[arg(long, value_name = "N", default_value = "1")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    repeat: u32,
+    /// How often each pair is matched; the times of the median run are shown [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repeat: Option<u32>,
 
     /// Seconds (wall time) after which an engine is killed
     #[arg(long, value_name = "S", default_value = "600")]
@@ -67,7 +66,7 @@ impl EngineArguments {
                 known.named(name)?;
             }
         }
-        if self.matcher.is_empty() && self.engine.is_empty() {
+        if !self.are_chosen() {
             wanted.extend(beside);
         }
         wanted.extend(reference);
@@ -96,7 +95,12 @@ impl EngineArguments {
     }
 
     /// How often each pair is matched.
-    pub fn repeats(&self) -> usize {
-        self.repeat as usize
+    pub fn repeats(&self, default: usize) -> usize {
+        self.repeat.map_or(default, |count| count as usize)
+    }
+
+    /// Whether the user has chosen who runs.
+    pub fn are_chosen(&self) -> bool {
+        !(self.matcher.is_empty() && self.engine.is_empty())
     }
 }

@@ -4,41 +4,25 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
-use arena::record::Record;
-use arena::report;
 use formats::write_atomically;
 
-use super::tables::conditions;
-
-const BEGIN: &str = "<!-- results -->";
-const END: &str = "<!-- /results -->";
-
-/// A Markdown page with the two markers between which results stand.
+/// A Markdown page with two lines `<!-- NAME -->` and `<!-- /NAME -->`, between which results stand.
 pub struct Page {
     path: PathBuf,
+    name: &'static str,
 }
 
 impl Page {
     /// Errors when the page cannot be read or lacks a marker: before any work is done.
-    pub fn open(path: PathBuf) -> anyhow::Result<Self> {
-        let page = Self { path };
+    pub fn open(path: PathBuf, name: &'static str) -> anyhow::Result<Self> {
+        let page = Self { path, name };
         page.replaced("")?;
         Ok(page)
     }
 
-    /// Puts the overview of the records between the markers; the rest of the page stays.
-    pub fn update(&self, records: &[Record]) -> anyhow::Result<()> {
-        let mut text = report::overview_table(records).to_markdown();
-        text.push_str(
-            "\nE_RMS in px / p_bad, the share of errors > 2 px, over all pixels with truth in the \
-             scene's box; CPU: mean over these scenes, of the engine's process, seen from outside",
-        );
-        for line in records.first().map(conditions).iter().chain([&made_by()]) {
-            text.push_str("; ");
-            text.push_str(line);
-        }
-        text.push_str(".\n");
-        let page = self.replaced(&text)?;
+    /// Puts this text between the markers; the rest of the page stays.
+    pub fn put(&self, text: &str) -> anyhow::Result<()> {
+        let page = self.replaced(text)?;
         write_atomically(&self.path, |writer| writer.write_all(page.as_bytes()))?;
         Ok(())
     }
@@ -47,29 +31,31 @@ impl Page {
     fn replaced(&self, text: &str) -> anyhow::Result<String> {
         let page = fs::read_to_string(&self.path)
             .with_context(|| format!("cannot read {}", self.path.display()))?;
-        match between(&page, text) {
+        match between(&page, self.name, text) {
             Some(page) => Ok(page),
             None => bail!(
-                "{} has no place for results: put the lines {BEGIN} and {END} into it, in this \
-                 order",
-                self.path.display()
+                "{} has no place for results: put the lines <!-- {name} --> and <!-- /{name} --> \
+                 into it, in this order",
+                self.path.display(),
+                name = self.name
             ),
         }
     }
 }
 
-/// `page` with `text` between the markers, if it has them in order.
-fn between(page: &str, text: &str) -> Option<String> {
-    let (before, rest) = page.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some(format!("{before}{BEGIN}\n{text}{END}{after}"))
+/// `page` with `text` between the markers of this name, if it has them in order.
+fn between(page: &str, name: &str, text: &str) -> Option<String> {
+    let (begin, end) = (format!("<!-- {name} -->"), format!("<!-- /{name} -->"));
+    let (before, rest) = page.split_once(&begin)?;
+    let (_, after) = rest.split_once(&end)?;
+    Some(format!("{before}{begin}\n{text}{end}{after}"))
 }
 
 /// The command line that is running, as a shell would take it.
-fn made_by() -> String {
+pub fn command_line() -> String {
     let words: Vec<String> =
         std::env::args_os().skip(1).map(|w| quoted(&w.to_string_lossy())).collect();
-    format!("made by `hazcam {}`", words.join(" "))
+    format!("hazcam {}", words.join(" "))
 }
 
 /// In quotes where a shell would read more than a word.
@@ -95,12 +81,15 @@ mod tests {
 
     #[test]
     fn only_what_stands_between_the_markers_is_replaced() {
-        let page = format!("head\n{BEGIN}\nold\n{END}\ntail\n");
-        let new = format!("head\n{BEGIN}\nnew\n{END}\ntail\n");
-        assert_eq!(between(&page, "new\n").as_deref(), Some(new.as_str()));
-        assert_eq!(between(&new, "new\n").as_deref(), Some(new.as_str()));
-        for page in ["", BEGIN, END, &format!("{END}{BEGIN}")] {
-            assert_eq!(between(page, "new"), None, "{page}");
+        let other = "<!-- results -->\nkept\n<!-- /results -->\n";
+        let page = format!("{other}<!-- speed -->\nold\n<!-- /speed -->\ntail\n");
+        let new = format!("{other}<!-- speed -->\nnew\n<!-- /speed -->\ntail\n");
+        assert_eq!(between(&page, "speed", "new\n").as_deref(), Some(new.as_str()));
+        assert_eq!(between(&new, "speed", "new\n").as_deref(), Some(new.as_str()));
+        for page in
+            ["", "<!-- speed -->", "<!-- /speed -->", "<!-- /speed --><!-- speed -->", other]
+        {
+            assert_eq!(between(page, "speed", "new"), None, "{page}");
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! One file per question: which engines, which scenes ([`scenes`] on disk, [`rendered`] ones), how
 //! they are run against each other ([`contest`]), what they are held to ([`limits`]), how the
-//! results are shown ([`tables`]) and where they go ([`output`], [`pictures`], [`into`]).
+//! results are shown ([`tables`]) and where they go ([`output`], [`pictures`], [`into`]); and how fast
+//! they are ([`speed`]).
 
 pub mod contest;
 pub mod engines;
@@ -12,6 +13,7 @@ pub mod output;
 pub mod pictures;
 pub mod rendered;
 pub mod scenes;
+pub mod speed;
 pub mod tables;
 
 use std::path::PathBuf;
@@ -27,6 +29,7 @@ use into::Page;
 use limits::Limits;
 use output::Output;
 use scenes::SceneArguments;
+use speed::SpeedArguments;
 use tables::View;
 
 /// Engines that stand beside hazcam's own unless the user chooses: the plain window matcher, the
@@ -41,15 +44,17 @@ const BESIDE: [&str; 3] = ["opencv-bm", "opencv-sgbm", "opencv-wls"];
 #[derive(clap::Args)]
 #[command(after_help = "\
 Engines that come with hazcam: fast, balanced, best, and OpenCV's matchers opencv-bm, opencv-sgbm,
-opencv-3way, opencv-hh, opencv-3way-1x1, opencv-wls (Python with opencv-contrib-python-headless is
-needed). Your own are TOML files in a folder, see --engines.
+opencv-bm-9x9, opencv-3way, opencv-hh, opencv-3way-1x1, opencv-wls (Python with
+opencv-contrib-python-headless is needed). Your own are TOML files in a folder, see --engines.
 
 Examples:
   HAZCAM_DATA=~/stereo hazcam bench
   hazcam bench --use tuning --matcher best --reference opencv-wls
   hazcam bench --scenes 'course/*' --engine 'opencv-*' --out results --pictures
   hazcam bench --stress --format markdown
-  hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml")]
+  hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml
+  hazcam bench --speed --threads 2 --record benchmarks/speed.json --into README.md
+  hazcam bench --speed --sweep --matcher fast")]
 pub struct Args {
     #[command(flatten)]
     scenes: SceneArguments,
@@ -71,6 +76,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE", help_heading = "Matchers")]
     limits: Option<PathBuf>,
 
+    #[command(flatten)]
+    speed: SpeedArguments,
+
     /// How to show the results
     #[arg(long, default_value = "text", help_heading = "Output")]
     #[arg(value_parser = super::choice(Format::NAMES))]
@@ -85,7 +93,7 @@ pub struct Args {
     pictures: bool,
 
     /// Put an overview into a Markdown page, between its lines <!-- results --> and
-    /// <!-- /results -->
+    /// <!-- /results -->, with --speed between <!-- speed --> and <!-- /speed -->
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     into: Option<PathBuf>,
 }
@@ -93,8 +101,14 @@ pub struct Args {
 /// Chooses scenes and engines, runs them, shows the tables.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let format: Format = args.format.parse().map_err(anyhow::Error::msg)?;
+    if args.speed.speed {
+        let page = args.into.map(|path| Page::open(path, "speed")).transpose()?;
+        return args.speed.run(&args.scenes, &args.engines, format, page, ui);
+    }
     let cases = match args.stress {
-        true => scenes::matching(rendered::stress(), args.scenes.scenes.as_deref())?,
+        true => {
+            scenes::matching(rendered::stress(), |case| &case.id, args.scenes.scenes.as_deref())?
+        }
         false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered])?,
     };
     let contest = Contest {
@@ -103,7 +117,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         reference: args.reference,
         limits: args.limits.as_deref().map(Limits::read).transpose()?,
     };
-    let page = args.into.map(Page::open).transpose()?;
+    let page = args.into.map(|path| Page::open(path, "results")).transpose()?;
     let mut output = match args.out {
         Some(folder) => Output::in_folder(folder, args.pictures)?,
         None => Output::default(),

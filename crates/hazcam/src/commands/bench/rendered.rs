@@ -1,7 +1,7 @@
 //! Rendered scenes as cases: the arena does not know how to render.
 
 use arena::dataset::{Case, CaseData, CaseRegion};
-use scenes::Settings;
+use scenes::{Kind, Settings};
 
 /// The scenes of `hazcam demo`.
 pub fn demo() -> Vec<Case> {
@@ -15,6 +15,15 @@ pub fn stress() -> Vec<Case> {
         case(format!("stress/{}", label.replace([' ', '/'], "-")), settings)
     };
     scenes::stress_scenes().into_iter().map(named).collect()
+}
+
+/// Cards of a size, with disparities from 0 to below `disparities`: for speed, to which it matters
+/// little what is seen.
+pub fn of_size(id: String, columns: usize, rows: usize, disparities: u16) -> Case {
+    let mut settings = Settings::new(Kind::Cards, 1);
+    (settings.columns, settings.rows) = (columns, rows);
+    settings.max_disparity = i32::from(disparities) - 1;
+    case(id, settings)
 }
 
 fn case(id: String, settings: Settings) -> Case {

@@ -29,8 +29,7 @@ pub struct SceneArguments {
 impl SceneArguments {
     /// The chosen scenes, the course's first. Without `--use`, those of `default`.
     pub fn cases(&self, default: &[Purpose]) -> anyhow::Result<Vec<Case>> {
-        let named = self.data.clone().or_else(|| std::env::var_os("HAZCAM_DATA").map(Into::into));
-        let Some(folder) = named.filter(|folder| !folder.as_os_str().is_empty()) else {
+        let Some((folder, mut cases)) = self.on_disk()? else {
             bail!(
                 "there is no data: HAZCAM_DATA is not set and --data is not given; point either at \
                  a folder with Middlebury (vision.middlebury.edu/stereo/data), KITTI \
@@ -38,8 +37,6 @@ impl SceneArguments {
                  `hazcam demo`, which needs none"
             );
         };
-        let said_by = if self.data.is_some() { "--data" } else { "HAZCAM_DATA" };
-        let mut cases = dataset::open(&folder).with_context(|| said_by)?;
         match &self.purpose {
             Some(purpose) => {
                 let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;
@@ -50,18 +47,33 @@ impl SceneArguments {
         if cases.is_empty() {
             bail!("{} has no scene of the use that was asked for", folder.display());
         }
-        matching(cases, self.scenes.as_deref())
+        matching(cases, |case| &case.id, self.scenes.as_deref())
+    }
+
+    /// All scenes of the folder that is named, whatever their use; nothing when none is named.
+    pub fn on_disk(&self) -> anyhow::Result<Option<(PathBuf, Vec<Case>)>> {
+        let named = self.data.clone().or_else(|| std::env::var_os("HAZCAM_DATA").map(Into::into));
+        let Some(folder) = named.filter(|folder| !folder.as_os_str().is_empty()) else {
+            return Ok(None);
+        };
+        let said_by = if self.data.is_some() { "--data" } else { "HAZCAM_DATA" };
+        let cases = dataset::open(&folder).with_context(|| said_by)?;
+        Ok(Some((folder, cases)))
     }
 }
 
-/// The cases whose id matches. Errors when none does, naming some that there are.
-pub fn matching(cases: Vec<Case>, pattern: Option<&str>) -> anyhow::Result<Vec<Case>> {
-    let Some(text) = pattern else { return Ok(cases) };
+/// The scenes whose `id` matches. Errors when none does, naming some that there are.
+pub fn matching<T>(
+    scenes: Vec<T>,
+    id: impl Fn(&T) -> &str,
+    pattern: Option<&str>,
+) -> anyhow::Result<Vec<T>> {
+    let Some(text) = pattern else { return Ok(scenes) };
     let pattern = Pattern::new(text).with_context(|| format!("--scenes {text}"))?;
     let (chosen, rest): (Vec<_>, Vec<_>) =
-        cases.into_iter().partition(|case| pattern.matches(&case.id));
+        scenes.into_iter().partition(|scene| pattern.matches(id(scene)));
     if chosen.is_empty() {
-        let known: Vec<_> = rest.iter().take(6).map(|case| case.id.as_str()).collect();
+        let known: Vec<_> = rest.iter().take(6).map(&id).collect();
         let more = rest.len().saturating_sub(known.len());
         bail!(
             "no scene matches `{text}`; there are {}{}",

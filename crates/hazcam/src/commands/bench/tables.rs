@@ -1,9 +1,10 @@
 //! Which tables tell what came of a run, and the words beside them.
 
 use arena::engine::measures_cpu_time;
-use arena::record::Record;
+use arena::record::{Machine, Record};
 use arena::report::{self, Format, Table};
 
+use super::into::command_line;
 use crate::wrap::wrapped;
 
 /// Which tables are shown.
@@ -100,19 +101,38 @@ impl Tables<'_> {
     }
 }
 
+/// For a page: every engine on every scene, and how it was measured.
+pub fn overview(records: &[Record]) -> String {
+    let mut text = report::overview_table(records).to_markdown();
+    text.push_str(
+        "\nE_RMS in px / p_bad, the share of errors > 2 px, over all pixels with truth in the \
+         scene's box; CPU: mean over these scenes, of the engine's process, seen from outside",
+    );
+    let made_by = format!("made by `{}`", command_line());
+    for line in records.first().map(conditions).iter().chain([&made_by]) {
+        text.push_str("; ");
+        text.push_str(line);
+    }
+    text.push_str(".\n");
+    text
+}
+
 /// On which machine a record was made, and with what.
-pub fn conditions(record: &Record) -> String {
-    let machine = &record.machine;
+fn conditions(record: &Record) -> String {
     let threads = match record.threads {
         1 => "1 thread".to_owned(),
         n => format!("{n} threads"),
     };
+    format!("{threads} per engine; {}; hazcam {}", machine_line(&record.machine), record.hazcam)
+}
+
+/// A machine in a line.
+pub fn machine_line(machine: &Machine) -> String {
     format!(
-        "{threads} per engine; {}, {} cores, {}; hazcam {}",
-        machine.cpu.as_deref().unwrap_or(machine.architecture),
+        "{}, {} cores, {}",
+        machine.cpu.as_deref().unwrap_or(&machine.architecture),
         machine.cores,
         machine.level.as_deref().unwrap_or("vector level unknown"),
-        record.hazcam
     )
 }
 
