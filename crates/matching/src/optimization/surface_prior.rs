@@ -16,6 +16,7 @@
 use raster::Plane;
 use rayon::prelude::*;
 
+use crate::kernels::level::Level;
 use crate::refinement::plane_fit::Surface;
 
 /// Pixels that share a plane: a square with this side.
@@ -34,7 +35,7 @@ pub(crate) struct SurfacePrior {
 
 impl SurfacePrior {
     /// Surfaces of a checked map: `checked` has holes (NaN), `filled` none.
-    pub fn fit(&mut self, checked: &Plane<f32>, filled: &Plane<f32>) {
+    pub fn fit(&mut self, level: Level, checked: &Plane<f32>, filled: &Plane<f32>) {
         let (columns, rows) = checked.size();
         let across = columns.div_ceil(CELL);
         self.cells.reset(across, rows.div_ceil(CELL), Surface::default());
@@ -45,7 +46,7 @@ impl SurfacePrior {
                 let x = middle(u, columns);
                 let hole = checked.row(y)[x].is_nan();
                 let nothing = Surface { disparity: f32::NAN, ..Surface::default() };
-                *cell = if hole { nothing } else { Surface::fit(checked, x, y) };
+                *cell = if hole { nothing } else { Surface::fit(level, checked, x, y) };
             }
         });
         self.surfaces.reset(columns, rows, Surface::default());
@@ -98,7 +99,7 @@ mod tests {
         let values =
             Plane::from_fn(64, 40, |x, y| if (30..33).contains(&x) { 20.0 } else { floor(y) });
         let mut prior = SurfacePrior::default();
-        prior.fit(&values, &values);
+        prior.fit(Level::detect(), &values, &values);
         let mut rises = std::array::from_fn(|_| vec![9; 64]);
         for y in 10..30 {
             prior.rises(y, false, &mut rises);

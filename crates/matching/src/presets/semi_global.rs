@@ -250,7 +250,7 @@ impl View {
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
     fn refine(&mut self, search: Search, other: &Looks) {
         let Search { level, width, range, .. } = search;
-        fill(width, range, &mut self.map, &mut self.filled);
+        fill(level, width, range, &mut self.map, &mut self.filled);
         small_median(&self.filled, &mut self.smooth);
         let pair = Pair {
             base: &self.looks,
@@ -288,8 +288,8 @@ impl SemiGlobalMatching {
     fn follow_surfaces(&mut self, space: &SearchSpace, search: Search) {
         self.left.check(search, &self.right.map.values, self.right.map.first);
         let View { map, filled, .. } = &mut self.left;
-        fill(search.width, search.range, map, filled);
-        self.prior.fit(&map.values, filled);
+        fill(search.level, search.width, search.range, map, filled);
+        self.prior.fit(search.level, &map.values, filled);
         self.optimize(space, true);
     }
 
@@ -350,7 +350,7 @@ impl Pipeline for SemiGlobalMatching {
             self.left.check(search, &self.right.map.values, self.right.map.first);
         }
         let View { map: left, filled, smooth, steps, .. } = &mut self.left;
-        fill(width, range, left, filled);
+        fill(self.level, width, range, left, filled);
         if space.count > 0 {
             median(self.level, search.numbers, filled, steps, smooth);
         } else {

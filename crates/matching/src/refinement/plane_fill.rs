@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::plane_fit::Surface;
 use super::row_fill::{copy_nearest_rows, filled};
+use crate::kernels::level::Level;
 use crate::selection::cross_check::ViewMap;
 
 /// Ends of a hole that differ by no more, in pixels, may be of one surface ...
@@ -36,8 +37,8 @@ struct End {
 }
 
 impl End {
-    fn of(values: &Plane<f32>, x: usize, y: usize, occluded: bool) -> Self {
-        let slope = if occluded { Surface::fit(values, x, y).along } else { 0.0 };
+    fn of(level: Level, values: &Plane<f32>, x: usize, y: usize, occluded: bool) -> Self {
+        let slope = if occluded { Surface::fit(level, values, x, y).along } else { 0.0 };
         Self { column: x as f32, value: values.row(y)[x], slope: slope.clamp(-STEEPEST, STEEPEST) }
     }
 
@@ -47,7 +48,13 @@ impl End {
 }
 
 /// Fills the holes of `view` into `out`; its reasons become `..Filled`. Every value lies in `range`.
-pub(crate) fn fill(width: usize, range: DisparityRange, view: &mut ViewMap, out: &mut Plane<f32>) {
+pub(crate) fn fill(
+    level: Level,
+    width: usize,
+    range: DisparityRange,
+    view: &mut ViewMap,
+    out: &mut Plane<f32>,
+) {
     let (columns, rows) = view.values.size();
     out.reset(columns, rows, f32::NAN);
     let (first, values) = (view.first, &view.values);
@@ -68,8 +75,9 @@ pub(crate) fn fill(width: usize, range: DisparityRange, view: &mut ViewMap, out:
                 x = end;
                 let inner = hole.start > 0 && end < columns;
                 let hidden = !inner || reasons[hole.clone()].contains(&Reason::OccludedHole);
-                let before = (hole.start > 0).then(|| End::of(values, hole.start - 1, y, hidden));
-                let after = (end < columns).then(|| End::of(values, end, y, hidden));
+                let before =
+                    (hole.start > 0).then(|| End::of(level, values, hole.start - 1, y, hidden));
+                let after = (end < columns).then(|| End::of(level, values, end, y, hidden));
                 for u in hole.clone() {
                     let column = u as f32;
                     let occluded = !inner || reasons[u] == Reason::OccludedHole;
@@ -117,7 +125,7 @@ mod tests {
 
     fn filled_rows(view: &mut ViewMap) -> Plane<f32> {
         let mut out = Plane::default();
-        fill(60, DisparityRange::new(0, 50).unwrap(), view, &mut out);
+        fill(Level::detect(), 60, DisparityRange::new(0, 50).unwrap(), view, &mut out);
         out
     }
 

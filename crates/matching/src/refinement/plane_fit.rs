@@ -2,6 +2,8 @@
 
 use raster::Plane;
 
+use crate::kernels::level::{Level, at_every_level};
+
 /// Half the window of a plane fit, in pixels, and the distance of its samples.
 const FIT_RADIUS: usize = 20;
 const FIT_STEP: usize = 2;
@@ -20,45 +22,80 @@ pub(crate) struct Surface {
     pub down: f32,
 }
 
+/// Samples per side of a window, and those that are done together.
+const SIDE: usize = 2 * FIT_RADIUS / FIT_STEP + 1;
+const LANES: usize = 8;
+const PADDED: usize = SIDE.next_multiple_of(LANES);
+/// Stands for a hole: farther than any outlier.
+const HOLE: f32 = 1e9;
+
 impl Surface {
     /// The surface that pixel `(x, y)`, which must have a value, lies on: a plane is fitted to the
     /// disparities around it, four times, each time to those near the plane before (Tukey's
     /// biweight). NaN values do not count.
-    pub fn fit(values: &Plane<f32>, x: usize, y: usize) -> Self {
+    pub fn fit(level: Level, values: &Plane<f32>, x: usize, y: usize) -> Self {
         let (columns, rows) = values.size();
         let here = values.row(y)[x];
-        let (mut along, mut down, mut offset) = (0.0f32, 0.0f32, 0.0f32);
-        let start = |at: usize| at % FIT_STEP + (at - at % FIT_STEP).saturating_sub(FIT_RADIUS);
+        // Disparities above this one's, by their place in the window.
+        let mut window = [[HOLE; PADDED]; SIDE];
+        let place = |i: usize, at: usize, end: usize| {
+            (at + FIT_STEP * i).checked_sub(FIT_RADIUS).filter(|&place| place < end)
+        };
+        for (j, window) in window.iter_mut().enumerate() {
+            let Some(v) = place(j, y, rows) else { continue };
+            let row = values.row(v);
+            for (i, sample) in window[..SIDE].iter_mut().enumerate() {
+                if let Some(u) = place(i, x, columns).filter(|&u| !row[u].is_nan()) {
+                    *sample = row[u] - here;
+                }
+            }
+        }
+        let plane = fit_window(level, &window);
+        Self { disparity: here + plane.disparity, ..plane }
+    }
+}
+
+/// From the middle of a window to its place `i`, in pixels.
+#[inline(always)]
+fn distance(i: usize) -> f32 {
+    (i * FIT_STEP) as f32 - FIT_RADIUS as f32
+}
+
+at_every_level! {
+    /// The plane through a window. Sums are kept per lane, so that they are added in the same order
+    /// at every level.
+    fn fit_window(window: &[[f32; PADDED]; SIDE]) -> Surface {
+        let Surface { disparity: mut offset, mut along, mut down } = Surface::default();
         for round in 0..4 {
-            let (outlier, growth) =
-                if round == 0 { (OUTLIER, 0.04) } else { (0.7 * OUTLIER, 0.01) };
+            let (outlier, growth) = if round == 0 { (OUTLIER, 0.04) } else { (0.7 * OUTLIER, 0.01) };
             // Weighted sums of 1, x, y, z and of their products.
-            let [mut s, mut sx, mut sy, mut sz] = [0.0f32; 4];
-            let [mut sxx, mut sxy, mut syy, mut sxz, mut syz] = [0.0f32; 5];
-            for v in (start(y)..=(y + FIT_RADIUS).min(rows - 1)).step_by(FIT_STEP) {
-                let dy = v as f32 - y as f32;
-                let row = values.row(v);
-                for u in (start(x)..=(x + FIT_RADIUS).min(columns - 1)).step_by(FIT_STEP) {
-                    let dx = u as f32 - x as f32;
-                    let z = row[u] - here;
-                    let off = (z - along * dx - down * dy - offset).abs();
-                    let limit = outlier + growth * (dx.abs() + dy.abs());
-                    // Also leaves out NaN.
-                    if off < limit {
-                        let w = 1.0 - (off / limit).powi(2);
-                        let w = w * w;
-                        s += w;
-                        sx += w * dx;
-                        sy += w * dy;
-                        sz += w * z;
-                        sxx += w * dx * dx;
-                        sxy += w * dx * dy;
-                        syy += w * dy * dy;
-                        sxz += w * dx * z;
-                        syz += w * dy * z;
+            let [mut s, mut sx, mut sy, mut sz] = [[0.0f32; LANES]; 4];
+            let [mut sxx, mut sxy, mut syy, mut sxz, mut syz] = [[0.0f32; LANES]; 5];
+            for (j, row) in window.iter().enumerate() {
+                let dy = distance(j);
+                let (plane, widest) = (offset + down * dy, outlier + growth * dy.abs());
+                for (group, z) in row.as_chunks::<LANES>().0.iter().enumerate() {
+                    for i in 0..LANES {
+                        let dx = distance(group * LANES + i);
+                        let off = (z[i] - along * dx - plane).abs();
+                        let share = off / (widest + growth * dx.abs());
+                        let rest = 1.0 - share * share;
+                        let w = if share < 1.0 { rest * rest } else { 0.0 };
+                        let (wx, wy) = (w * dx, w * dy);
+                        s[i] += w;
+                        sx[i] += wx;
+                        sy[i] += wy;
+                        sz[i] += w * z[i];
+                        sxx[i] += wx * dx;
+                        sxy[i] += wx * dy;
+                        syy[i] += wy * dy;
+                        sxz[i] += wx * z[i];
+                        syz[i] += wy * z[i];
                     }
                 }
             }
+            let [s, sx, sy, sz, sxx, sxy, syy, sxz, syz] =
+                [s, sx, sy, sz, sxx, sxy, syy, sxz, syz].map(|sums| sums.iter().sum::<f32>());
             if s < LEAST_SUPPORT {
                 break;
             }
@@ -70,7 +107,7 @@ impl Surface {
             down = (yz * xx - xz * xy) / determinant;
             offset = mz - along * mx - down * my;
         }
-        Self { disparity: here + offset, along, down }
+        Surface { disparity: offset, along, down }
     }
 }
 
@@ -87,9 +124,14 @@ mod tests {
             _ if (x * 7 + y * 3) % 5 == 0 => f32::NAN,
             _ => plane(x, y),
         });
-        let Surface { disparity, along, down } = Surface::fit(&values, 32, 21);
+        let found = Surface::fit(Level::detect(), &values, 32, 21);
+        let Surface { disparity, along, down } = found;
         assert!((disparity - plane(32, 21)).abs() < 0.1, "{disparity}");
         // A ridge pulls slopes towards zero by a few percent.
         assert!((along - 0.1).abs() < 0.02 && (down + 0.2).abs() < 0.02, "{along} {down}");
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            assert_eq!(Surface::fit(level, &values, 32, 21), found);
+        }
     }
 }
