@@ -10,6 +10,8 @@
 //! The plane at a hole's end is a robust fit ([`Surface::fit`]). Rows without any value take those of
 //! the nearest row.
 
+use std::ops::Range;
+
 use raster::{DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
@@ -28,22 +30,75 @@ const STEEPEST: f32 = 0.5;
 /// A plane is continued over at most so many columns, and is flat from there on.
 const FARTHEST: f32 = 100.0;
 
-/// An end of a hole, and the plane there.
+/// An end of a hole, and how its surface goes on.
 #[derive(Clone, Copy)]
 struct End {
-    column: f32,
+    column: usize,
     value: f32,
     slope: f32,
 }
 
 impl End {
-    fn of(level: Level, values: &Plane<f32>, x: usize, y: usize, occluded: bool) -> Self {
-        let slope = if occluded { Surface::fit(level, values, x, y).along } else { 0.0 };
-        Self { column: x as f32, value: values.row(y)[x], slope: slope.clamp(-STEEPEST, STEEPEST) }
+    fn flat(row: &[f32], column: usize) -> Self {
+        Self { column, value: row[column], slope: 0.0 }
     }
 
-    fn continued(self, column: f32) -> f32 {
-        self.value + self.slope * (column - self.column).clamp(-FARTHEST, FARTHEST)
+    fn continued(self, column: usize) -> f32 {
+        let distance = column as f32 - self.column as f32;
+        self.value + self.slope * distance.clamp(-FARTHEST, FARTHEST)
+    }
+}
+
+/// A hole in a row: where it lies, and what stands beside it.
+struct Hole {
+    columns: Range<usize>,
+    before: Option<End>,
+    after: Option<End>,
+}
+
+impl Hole {
+    fn new(row: &[f32], columns: Range<usize>) -> Self {
+        let before = columns.start.checked_sub(1).map(|x| End::flat(row, x));
+        let after = (columns.end < row.len()).then(|| End::flat(row, columns.end));
+        Self { columns, before, after }
+    }
+
+    /// Both ends where they are of one surface.
+    fn one_surface(&self) -> Option<(End, End)> {
+        let (before, after) = self.before.zip(self.after)?;
+        let step = (after.value - before.value).abs();
+        let one = step <= ONE_SURFACE && WIDER * step <= self.columns.len() as f32;
+        one.then_some((before, after))
+    }
+
+    /// Finds the slopes of the ends. The farther surface is looked at first: mostly the nearer one
+    /// stays in front of it whatever its slope, and then it does not matter.
+    fn find_slopes(&mut self, level: Level, values: &Plane<f32>, y: usize) {
+        let reach = STEEPEST * self.columns.len() as f32;
+        let (lower, higher) = match (&mut self.before, &mut self.after) {
+            (Some(before), Some(after)) if before.value > after.value => {
+                (Some(after), Some(before))
+            }
+            (before, after) => (before.as_mut(), after.as_mut()),
+        };
+        let mut highest = f32::INFINITY;
+        for end in lower.into_iter().chain(higher) {
+            if end.value - reach > highest {
+                break;
+            }
+            let slope = Surface::fit(level, values, end.column, y).along;
+            end.slope = slope.clamp(-STEEPEST, STEEPEST);
+            highest = end.value + end.slope.abs() * self.columns.len() as f32;
+        }
+    }
+
+    /// What fills column `x`.
+    fn value(&self, x: usize, hidden: bool) -> Option<f32> {
+        let at = |end: End| if hidden { end.continued(x) } else { end.value };
+        match (self.before, self.after) {
+            (Some(before), Some(after)) => Some(at(before).min(at(after))),
+            (end, None) | (None, end) => end.map(at),
+        }
     }
 }
 
@@ -71,33 +126,29 @@ pub(crate) fn fill(
                     continue;
                 }
                 let end = row[x..].iter().position(|v| !v.is_nan()).map_or(columns, |n| x + n);
-                let hole = x..end;
+                let mut hole = Hole::new(row, x..end);
                 x = end;
-                let inner = hole.start > 0 && end < columns;
-                let hidden = !inner || reasons[hole.clone()].contains(&Reason::OccludedHole);
-                let before =
-                    (hole.start > 0).then(|| End::of(level, values, hole.start - 1, y, hidden));
-                let after = (end < columns).then(|| End::of(level, values, end, y, hidden));
-                for u in hole.clone() {
-                    let column = u as f32;
-                    let occluded = !inner || reasons[u] == Reason::OccludedHole;
-                    let at = |end: End| if occluded { end.continued(column) } else { end.value };
-                    let value = match (before, after) {
-                        (Some(before), Some(after)) => {
-                            let step = after.value - before.value;
-                            if step.abs() <= ONE_SURFACE && WIDER * step.abs() <= hole.len() as f32
-                            {
-                                let part = column - before.column;
-                                before.value + step * part / (after.column - before.column)
-                            } else {
-                                at(before).min(at(after))
-                            }
+                let inner = hole.before.is_some() && hole.after.is_some();
+                let hidden = |reason| !inner || reason == Reason::OccludedHole;
+                let one_surface = hole.one_surface();
+                let reasons = &mut reasons[hole.columns.clone()];
+                if one_surface.is_none() && reasons.iter().any(|&reason| hidden(reason)) {
+                    hole.find_slopes(level, values, y);
+                }
+                for (u, reason) in hole.columns.clone().zip(reasons) {
+                    let value = match one_surface {
+                        Some((before, after)) => {
+                            let part = (u - before.column) as f32;
+                            let width = (after.column - before.column) as f32;
+                            before.value + (after.value - before.value) * part / width
                         }
-                        (Some(end), None) | (None, Some(end)) => at(end),
-                        (None, None) => return,
+                        None => match hole.value(u, hidden(*reason)) {
+                            Some(value) => value,
+                            None => return,
+                        },
                     };
                     out[u] = value.clamp(least, most);
-                    reasons[u] = filled(width, first + u, out[u], reasons[u]);
+                    *reason = filled(width, first + u, out[u], *reason);
                 }
             }
         },

@@ -59,19 +59,6 @@ impl Winners {
 /// Disparities that are handled together.
 const LANES: usize = 32;
 
-#[inline(always)]
-fn least<const N: usize, T: Copy + Ord>(values: [T; N]) -> T {
-    let mut values = values;
-    let mut half = N / 2;
-    while half > 0 {
-        for i in 0..half {
-            values[i] = values[i].min(values[i + half]);
-        }
-        half /= 2;
-    }
-    values[0]
-}
-
 at_every_level! {
     /// One pass over the sums of each column serves both views: in the mirror the right columns that
     /// a left one can match stand in the order of their disparities, so that whole vectors of keys
@@ -98,7 +85,7 @@ at_every_level! {
                     right[i] = right[i].min(key);
                 }
             }
-            let winner = Key(least(lowest));
+            let winner = Key(lowest.into_iter().fold(u32::MAX, u32::min));
             let neighbour = (winner.0 as u16).wrapping_sub(1);
             let mut others = [u16::MAX; LANES];
             for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
@@ -110,7 +97,7 @@ at_every_level! {
                     others[i] = others[i].min(sum);
                 }
             }
-            let margin = match least(others) {
+            let margin = match others.into_iter().fold(u16::MAX, u16::min) {
                 u16::MAX => 0,
                 second => second - winner.sum(),
             };
