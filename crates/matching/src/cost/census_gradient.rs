@@ -4,20 +4,21 @@
 //! C(x, y, d) = 75 H / 64 + min(|G_L(x, y) - G_R(x - d, y)|, 20)
 //! ```
 //!
-//! `H` is the Hamming distance of two census words (0 to 34), `G` the grey step along the row
+//! `H` is the Hamming distance of two census words (0 to 32), `G` the grey step along the row
 //! ([`crate::prepare::gradient`]). A census word does not know how large a step is, only its sign; a
 //! difference of gradients does, and looks at three columns only, so it keeps edges where a window
 //! smears them. Truncated, it cannot outvote the census where gain differs (Mei et al., ICCV
 //! Workshops 2011, mix census and absolute differences in this way).
 
 use raster::Plane;
+use rayon::prelude::*;
 
 use super::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::path::padded;
 use crate::optimization::semi_global::CostRows;
-use crate::prepare::census::{BITS, census_row};
+use crate::prepare::census::{BITS, CensusRows};
 use crate::prepare::gradient::steps_along_row;
+use crate::prepare::grey::GreyView;
 
 /// A difference of grey steps counts at most this.
 const LARGEST_STEP: u8 = 20;
@@ -27,10 +28,13 @@ const BIT: u8 = 75;
 const LARGEST: u16 = (BITS as u16 * BIT as u16) / 64 + LARGEST_STEP as u16;
 const _: () = assert!(LARGEST < 128, "a path's state must fit a byte");
 
+/// An image as census words see it, in all its bits, and as everything else does, in the upper 8.
+pub(crate) type Seen<'a> = (GreyView<'a>, &'a Plane<u8>);
+
 /// What the costs of one image are computed from, of the rows of a box.
 #[derive(Default)]
 struct Features {
-    words: Plane<u64>,
+    words: Plane<u32>,
     steps: Plane<u8>,
 }
 
@@ -38,62 +42,116 @@ struct Features {
 #[derive(Default)]
 pub(crate) struct FeaturePair {
     left: Features,
+    /// In a mirror, so that larger disparities stand at larger columns, and its ends repeated: a
+    /// disparity whose match lies outside the image is compared with the nearest column inside, so
+    /// that paths can cross.
     right: Features,
-    scratch: Vec<u16>,
+}
+
+/// A row from right to left between two margins that repeat its ends.
+fn mirror<T: Copy>(row: &[T], out: &mut [T]) {
+    let margin = (out.len() - row.len()) / 2;
+    let (first, last) = (row[0], row[row.len() - 1]);
+    out[..margin].fill(last);
+    out[margin + row.len()..].fill(first);
+    out[margin..].iter_mut().zip(row.iter().rev()).for_each(|(to, &from)| *to = from);
+}
+
+impl Features {
+    /// Computes features of `rows` rows of an image from row `first` on: `take(words, steps, ..)`
+    /// puts those of a row in their place.
+    fn compute(
+        &mut self,
+        level: Level,
+        (image, grey): Seen<'_>,
+        (first, rows): (usize, usize),
+        columns: usize,
+        take: impl Fn(&[u32], &[u8], &mut [u32], &mut [u8]) + Sync,
+    ) {
+        let width = image.size().0;
+        self.words.reset(columns, rows, 0);
+        self.steps.reset(columns, rows, 0);
+        let words = self.words.samples_mut().par_chunks_mut(columns);
+        let steps = self.steps.samples_mut().par_chunks_mut(columns);
+        words.zip(steps).enumerate().for_each_init(
+            || (CensusRows::default(), vec![0; width], vec![0; width]),
+            |(census, row_words, row_steps), (y, (words, steps))| {
+                census.words(level, image, first + y, row_words);
+                steps_along_row(grey.row(first + y), row_steps);
+                take(row_words, row_steps, words, steps);
+            },
+        );
+    }
 }
 
 impl FeaturePair {
-    /// Computes the features of rows `first..first + rows` of both images, given at both depths.
+    /// Computes the features of the columns of a search space and of `rows` rows from row `first`
+    /// on.
     pub fn compute(
         &mut self,
         level: Level,
-        images: [&Plane<u16>; 2],
-        grey: [&Plane<u8>; 2],
-        first: usize,
-        rows: usize,
+        [left, right]: [Seen<'_>; 2],
+        space: &SearchSpace,
+        rows: (usize, usize),
     ) {
-        let columns = images[0].columns();
-        let both = [&mut self.left, &mut self.right];
-        for ((features, image), grey) in both.into_iter().zip(images).zip(grey) {
-            features.words.reset(columns, rows, 0);
-            features.steps.reset(columns, rows, 0);
-            for y in 0..rows {
-                let words = features.words.row_mut(y);
-                census_row(level, image, first + y, &mut self.scratch, words);
-                steps_along_row(grey.row(first + y), features.steps.row_mut(y));
-            }
-        }
+        let answered = space.first..=space.last;
+        self.left.compute(level, left, rows, space.columns(), |words, steps, to, to_steps| {
+            to.copy_from_slice(&words[answered.clone()]);
+            to_steps.copy_from_slice(&steps[answered.clone()]);
+        });
+        let columns = space.width + 2 * space.lanes;
+        self.right.compute(level, right, rows, columns, |words, steps, to, to_steps| {
+            mirror(words, to);
+            mirror(steps, to_steps);
+        });
     }
 
-    /// The costs over a search space.
+    /// The costs over the search space that the features were computed for.
     pub fn costs<'a>(&'a self, level: Level, space: &'a SearchSpace) -> CensusGradientRows<'a> {
         CensusGradientRows { level, features: self, space }
     }
 }
 
-/// The costs of the rows of a box. A disparity whose match lies outside the right image is compared
-/// with the nearest column inside, so that paths can cross.
+/// The costs of the rows of a box.
 pub(crate) struct CensusGradientRows<'a> {
     level: Level,
     features: &'a FeaturePair,
     space: &'a SearchSpace,
 }
 
-/// Right row samples in the order in which disparities meet them: place `i` holds column
-/// `last - min - i`, the border repeated.
-fn reverse<T: Copy>(row: &[T], space: &SearchSpace, length: usize) -> Vec<T> {
-    let start = space.last as i64 - i64::from(space.min);
-    let end = row.len() as i64 - 1;
-    (0..length as i64).map(|i| row[(start - i).clamp(0, end) as usize]).collect()
-}
+/// Disparities that are done together.
+const LANES: usize = 32;
 
 at_every_level! {
-    /// Costs of one pixel over `costs.len()` disparities.
-    fn pixel_costs(word: u64, step: u8, words: &[u64], steps: &[u8], costs: &mut [u8]) {
-        for ((cost, &other), &other_step) in costs.iter_mut().zip(words).zip(steps) {
-            let bits = (word ^ other).count_ones() as u16;
-            let census = (bits * u16::from(BIT) / 64) as u8;
-            *cost = census + step.abs_diff(other_step).min(LARGEST_STEP);
+    /// The costs of a row.
+    fn row_costs(features: &FeaturePair, space: &SearchSpace, y: usize, costs: &mut [u8]) {
+        let FeaturePair { left, right } = features;
+        let (left_words, left_steps) = (left.words.row(y), left.steps.row(y));
+        let (words, steps) = (right.words.row(y), right.steps.row(y));
+        let farthest = (space.width + space.lanes) as i64;
+        for (x, costs) in costs.chunks_exact_mut(space.lanes).enumerate() {
+            let place = space.mirrored(space.first + x) + space.lanes as i64;
+            let place = place.clamp(0, farthest) as usize;
+            let (word, step) = (left_words[x], left_steps[x]);
+            let words = words[place..place + space.lanes].as_chunks::<LANES>().0;
+            let steps = steps[place..place + space.lanes].as_chunks::<LANES>().0;
+            let groups = costs.as_chunks_mut::<LANES>().0.iter_mut().zip(words).zip(steps);
+            for ((costs, words), steps) in groups {
+                // One loop per width of number, so that each fills its vectors.
+                let mut bits = [0u8; LANES];
+                for i in 0..LANES {
+                    bits[i] = (word ^ words[i]).count_ones() as u8;
+                }
+                for i in 0..LANES {
+                    let census = (u16::from(bits[i]) * u16::from(BIT) / 64) as u8;
+                    // `abs_diff` would go through 32 bits.
+                    let difference = step.max(steps[i]) - step.min(steps[i]);
+                    costs[i] = census + difference.min(LARGEST_STEP);
+                }
+            }
+            if space.count < space.lanes {
+                costs[space.count..].fill(255);
+            }
         }
     }
 }
@@ -112,26 +170,7 @@ impl CostRows for CensusGradientRows<'_> {
     }
 
     fn fill_row(&self, y: usize, costs: &mut [u8]) {
-        let (space, FeaturePair { left, right, .. }) = (self.space, self.features);
-        let (count, columns) = (space.count, space.columns());
-        let length = columns + count;
-        let words = reverse(right.words.row(y), space, length);
-        let steps = reverse(right.steps.row(y), space, length);
-        let pixels = costs.chunks_exact_mut(padded(count)).enumerate();
-        for (x, costs) in pixels {
-            // Disparity `k` of this column is compared with place `columns - 1 - x + k`.
-            let from = columns - 1 - x;
-            let column = space.first + x;
-            pixel_costs(
-                self.level,
-                left.words.row(y)[column],
-                left.steps.row(y)[column],
-                &words[from..from + count],
-                &steps[from..from + count],
-                &mut costs[..count],
-            );
-            costs[count..].fill(255);
-        }
+        row_costs(self.level, self.features, self.space, y, costs);
     }
 }
 
@@ -147,28 +186,43 @@ mod tests {
         };
         let left = Plane::from_fn(40, 6, |x, y| scramble(x, y, 1));
         let right = Plane::from_fn(40, 6, |x, y| scramble(x + 3, y, 1));
-        let wide = |p: &Plane<u8>| p.map(|&v| u16::from(v) * 257);
-        let range = DisparityRange::new(-4, 37).unwrap();
-        let space = SearchSpace::new(40, BoundingBox::new(5, 1, 38, 4).unwrap(), range);
-        for level in Level::available() {
-            eprintln!("level {}", level.name());
-            let mut pair = FeaturePair::default();
-            pair.compute(level, [&wide(&left), &wide(&right)], [&left, &right], 1, 4);
-            let rows = pair.costs(level, &space);
-            let mut costs = vec![0; space.columns() * padded(space.count)];
-            for y in 0..4 {
-                rows.fill_row(y, &mut costs);
-                for (x, costs) in costs.chunks_exact(padded(space.count)).enumerate() {
-                    let x = x + space.first;
-                    for (k, &cost) in costs[..space.count].iter().enumerate() {
-                        let at = (x as i64 - i64::from(space.min) - k as i64).clamp(0, 39) as usize;
-                        let word = pair.left.words.row(y)[x] ^ pair.right.words.row(y)[at];
-                        let (a, b) = (pair.left.steps.row(y)[x], pair.right.steps.row(y)[at]);
-                        let expected =
-                            word.count_ones() * 75 / 64 + u32::from(a.abs_diff(b).min(20));
-                        assert_eq!(u32::from(cost), expected, "({x}, {y}), {k}");
+        let views = [&left, &right].map(|image| (GreyView::Depth8(image.view()), image));
+        let word = |(view, _): Seen<'_>, x: usize, y: usize| {
+            let mut words = [0; 40];
+            CensusRows::default().words(Level::detect(), view, y, &mut words);
+            words[x]
+        };
+        let step = |(_, grey): Seen<'_>, x: usize, y: usize| {
+            let mut steps = [0; 40];
+            steps_along_row(grey.row(y), &mut steps);
+            steps[x]
+        };
+        // The second range begins where no match lies inside.
+        for (range, columns) in [((-4, 37), (5, 38)), ((10, 30), (0, 39)), ((-60, -31), (3, 12))] {
+            let range = DisparityRange::new(range.0, range.1).unwrap();
+            let bounds = BoundingBox::new(columns.0, 1, columns.1, 4).unwrap();
+            let space = SearchSpace::new(40, bounds, range);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                let mut pair = FeaturePair::default();
+                pair.compute(level, views, &space, (1, 4));
+                let rows = pair.costs(level, &space);
+                let mut costs = vec![0; space.columns() * space.lanes];
+                for y in 0..4 {
+                    rows.fill_row(y, &mut costs);
+                    for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
+                        let x = x + space.first;
+                        for (k, &cost) in costs[..space.count].iter().enumerate() {
+                            let at = x as i64 - i64::from(space.min) - k as i64;
+                            let at = at.clamp(0, 39) as usize;
+                            let bits =
+                                (word(views[0], x, y + 1) ^ word(views[1], at, y + 1)).count_ones();
+                            let (a, b) = (step(views[0], x, y + 1), step(views[1], at, y + 1));
+                            let expected = bits * 75 / 64 + u32::from(a.abs_diff(b).min(20));
+                            assert_eq!(u32::from(cost), expected, "({x}, {y}), {k}");
+                        }
+                        assert!(costs[space.count..].iter().all(|&c| c == 255));
                     }
-                    assert!(costs[space.count..].iter().all(|&c| c == 255));
                 }
             }
         }

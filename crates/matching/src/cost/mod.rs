@@ -53,6 +53,12 @@ impl SearchSpace {
         let highest = (x - min).min(self.count as i64 - 1);
         lowest as usize..(highest + 1).max(lowest) as usize
     }
+
+    /// Where left column `x` meets the right image at disparity `min`, if that stands in a mirror:
+    /// there larger disparities lie at larger columns. May lie outside the image.
+    pub fn mirrored(&self, x: usize) -> i64 {
+        (self.width - 1) as i64 - x as i64 + i64::from(self.min)
+    }
 }
 
 #[cfg(test)]

@@ -1,50 +1,78 @@
 //! Census words (Zabih & Woodfill, ECCV 1994): which neighbours of a pixel are darker than it.
 //!
 //! A word depends only on the order of grey values, so exposure and gain of the cameras do not
-//! matter. The window is 7 columns by 5 rows: 34 bits. Wider ones blur the edges of objects more
-//! than they help on blank walls. Beyond the border of the image the nearest pixel is repeated.
-
-use raster::Plane;
+//! matter. The window is 7 columns by 5 rows without two opposite corners: 32 bits. Wider ones blur
+//! the edges of objects more than they help on blank walls. Beyond the border of the image the
+//! nearest pixel is repeated.
 
 use crate::kernels::level::{Level, at_every_level};
+use crate::prepare::grey::GreyView;
 
 /// Columns to each side of the pixel.
-pub const REACH_X: usize = 3;
+const REACH_X: usize = 3;
 /// Rows above and below the pixel.
-pub const REACH_Y: usize = 2;
+const REACH_Y: usize = 2;
+const ROWS: usize = 2 * REACH_Y + 1;
 /// Neighbours that are compared, hence the largest Hamming distance.
-pub const BITS: u8 = 34;
+pub(crate) const BITS: u8 = 32;
 
-at_every_level! {
-    /// Appends one bit to each word: is the neighbour darker than the pixel?
-    fn append_bits(words: &mut [u64], pixels: &[u16], neighbours: &[u16]) {
-        for ((word, &pixel), &neighbour) in words.iter_mut().zip(pixels).zip(neighbours) {
-            *word = *word << 1 | u64::from(neighbour < pixel);
+/// Whether the neighbour at this place in the window has a bit.
+const fn has_bit(dx: usize, dy: usize) -> bool {
+    let centre = dx == REACH_X && dy == REACH_Y;
+    let corner = (dx == 0 && dy == 0) || (dx == 2 * REACH_X && dy == 2 * REACH_Y);
+    !centre && !corner
+}
+
+/// The rows around a pixel's row, their ends repeated.
+#[derive(Default)]
+pub(crate) struct CensusRows([Vec<u16>; ROWS]);
+
+impl CensusRows {
+    /// The census words of row `y`, one per column.
+    pub fn words(&mut self, level: Level, image: GreyView<'_>, y: usize, words: &mut [u32]) {
+        let (columns, rows) = image.size();
+        let padded = columns.next_multiple_of(LANES) + 2 * REACH_X;
+        for (dy, to) in self.0.iter_mut().enumerate() {
+            let from = (y + dy).saturating_sub(REACH_Y).min(rows - 1);
+            to.resize(padded, 0);
+            let middle = &mut to[REACH_X..REACH_X + columns];
+            match image {
+                GreyView::Depth8(view) => {
+                    middle.iter_mut().zip(view.row(from)).for_each(|(to, &v)| *to = v.into());
+                }
+                GreyView::Depth16(view) => middle.copy_from_slice(view.row(from)),
+            }
+            let (first, last) = (middle[0], middle[columns - 1]);
+            to[..REACH_X].fill(first);
+            to[REACH_X + columns..].fill(last);
         }
+        words_of_row(level, self.0.each_ref().map(|row| &row[..]), words);
     }
 }
 
-/// The census words of row `y`, one per column. `scratch` holds rows with repeated ends.
-pub fn census_row(
-    level: Level,
-    image: &Plane<u16>,
-    y: usize,
-    scratch: &mut Vec<u16>,
-    words: &mut [u64],
-) {
-    let (columns, rows) = image.size();
-    words.fill(0);
-    let centre = image.row(y);
-    for dy in 0..=2 * REACH_Y {
-        let row = image.row((y + dy).saturating_sub(REACH_Y).min(rows - 1));
-        scratch.clear();
-        scratch.extend([row[0]; REACH_X]);
-        scratch.extend_from_slice(row);
-        scratch.extend([row[columns - 1]; REACH_X]);
-        for dx in 0..=2 * REACH_X {
-            if (dx, dy) != (REACH_X, REACH_Y) {
-                append_bits(level, words, centre, &scratch[dx..dx + columns]);
+/// Pixels that are done together.
+const LANES: usize = 32;
+
+at_every_level! {
+    /// Is the neighbour darker than the pixel? One bit each, in the order of reading.
+    fn words_of_row(rows: [&[u16]; ROWS], words: &mut [u32]) {
+        for (block, words) in words.chunks_mut(LANES).enumerate() {
+            let lanes = |dx: usize, dy: usize| -> &[u16; LANES] {
+                rows[dy][block * LANES + dx..].first_chunk().expect("rows are padded")
+            };
+            let pixels = lanes(REACH_X, REACH_Y);
+            let mut word = [0u32; LANES];
+            for dy in 0..ROWS {
+                for dx in 0..=2 * REACH_X {
+                    if has_bit(dx, dy) {
+                        let neighbours = lanes(dx, dy);
+                        for i in 0..LANES {
+                            word[i] = word[i] << 1 | u32::from(neighbours[i] < pixels[i]);
+                        }
+                    }
+                }
             }
+            words.copy_from_slice(&word[..words.len()]);
         }
     }
 }
@@ -52,24 +80,27 @@ pub fn census_row(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raster::Plane;
 
     #[test]
     fn a_word_counts_the_darker_neighbours() {
-        let image = Plane::from_fn(9, 7, |x, y| ((x * 37 + y * 91) % 50) as u16);
+        let image = Plane::<u16>::from_fn(9, 7, |x, y| ((x * 37 + y * 91) % 50) as u16);
         for level in Level::available() {
             for y in 0..7 {
-                let mut words = [u64::MAX; 9];
-                census_row(level, &image, y, &mut Vec::new(), &mut words);
+                let mut words = [u32::MAX; 9];
+                let view = GreyView::Depth16(image.view());
+                CensusRows::default().words(level, view, y, &mut words);
                 for (x, word) in words.into_iter().enumerate() {
-                    let mut expected = 0u64;
+                    let mut expected = 0u32;
                     for v in y as i64 - 2..=y as i64 + 2 {
                         for u in x as i64 - 3..=x as i64 + 3 {
-                            if (u, v) == (x as i64, y as i64) {
+                            let (dx, dy) = (u - x as i64, v - y as i64);
+                            if [(0, 0), (-3, -2), (3, 2)].contains(&(dx, dy)) {
                                 continue;
                             }
                             let neighbour =
                                 image.row(v.clamp(0, 6) as usize)[u.clamp(0, 8) as usize];
-                            expected = expected << 1 | u64::from(neighbour < image.row(y)[x]);
+                            expected = expected << 1 | u32::from(neighbour < image.row(y)[x]);
                         }
                     }
                     assert_eq!(word, expected, "({x}, {y})");

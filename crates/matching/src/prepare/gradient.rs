@@ -3,10 +3,14 @@
 /// `I(x + 1) - I(x - 1)`, clamped to plus and minus 127, as `128 + step`. The row's ends are
 /// repeated.
 pub(crate) fn steps_along_row(row: &[u8], steps: &mut [u8]) {
+    let step = |before: u8, after: u8| {
+        (i16::from(after) - i16::from(before)).clamp(-127, 127).wrapping_add(128) as u8
+    };
     let last = row.len() - 1;
-    for (x, step) in steps.iter_mut().enumerate() {
-        let (before, after) = (row[x.saturating_sub(1)], row[(x + 1).min(last)]);
-        *step = (i16::from(after) - i16::from(before)).clamp(-127, 127).wrapping_add(128) as u8;
+    steps[0] = step(row[0], row[last.min(1)]);
+    steps[last] = step(row[last.saturating_sub(1)], row[last]);
+    for ((to, &before), &after) in steps[1..].iter_mut().zip(row).zip(&row[last.min(2)..]) {
+        *to = step(before, after);
     }
 }
 

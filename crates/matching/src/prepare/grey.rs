@@ -14,6 +14,16 @@ pub(crate) enum GreyView<'a> {
     Depth16(View<'a, u16>),
 }
 
+impl GreyView<'_> {
+    /// `(columns, rows)`.
+    pub fn size(&self) -> (usize, usize) {
+        match self {
+            Self::Depth8(view) => (view.columns(), view.rows()),
+            Self::Depth16(view) => (view.columns(), view.rows()),
+        }
+    }
+}
+
 /// Where the grey of a colour image is kept.
 #[derive(Debug, Default)]
 pub(crate) struct GreyBuffer {

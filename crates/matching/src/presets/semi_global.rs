@@ -80,8 +80,7 @@ struct View {
 pub(crate) struct SemiGlobalMatching {
     finish: Finish,
     level: Level,
-    buffer: GreyBuffer,
-    images: [Plane<u16>; 2],
+    buffers: [GreyBuffer; 2],
     grey: [Plane<u8>; 2],
     guide: Plane<u8>,
     features: FeaturePair,
@@ -133,8 +132,7 @@ impl SemiGlobalMatching {
         Self {
             finish,
             level,
-            buffer: GreyBuffer::default(),
-            images: Default::default(),
+            buffers: Default::default(),
             grey: Default::default(),
             guide: Plane::default(),
             features: FeaturePair::default(),
@@ -149,25 +147,16 @@ impl SemiGlobalMatching {
     }
 }
 
-/// Grey at both depths: census words look at the order of all 16 bits, everything else at the
-/// upper 8.
-fn copy_grey(view: GreyView<'_>, wide: &mut Plane<u16>, narrow: &mut Plane<u8>) {
-    let (columns, rows) = match view {
-        GreyView::Depth8(view) => (view.columns(), view.rows()),
-        GreyView::Depth16(view) => (view.columns(), view.rows()),
-    };
-    wide.reset(columns, rows, 0);
-    narrow.reset(columns, rows, 0);
+/// The upper 8 bits of grey.
+fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) {
+    let (columns, rows) = view.size();
+    grey.reset(columns, rows, 0);
     for y in 0..rows {
-        let (wide, narrow) = (wide.row_mut(y), narrow.row_mut(y));
+        let grey = grey.row_mut(y);
         match view {
-            GreyView::Depth8(view) => {
-                narrow.copy_from_slice(view.row(y));
-                wide.iter_mut().zip(narrow).for_each(|(to, from)| *to = u16::from(*from) * 257);
-            }
+            GreyView::Depth8(view) => grey.copy_from_slice(view.row(y)),
             GreyView::Depth16(view) => {
-                wide.copy_from_slice(view.row(y));
-                narrow.iter_mut().zip(wide).for_each(|(to, from)| *to = (*from >> 8) as u8);
+                grey.iter_mut().zip(view.row(y)).for_each(|(to, from)| *to = (from >> 8) as u8);
             }
         }
     }
@@ -317,8 +306,10 @@ impl Pipeline for SemiGlobalMatching {
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
         let (columns, rows) = (work.columns(), work.rows());
-        for (i, image) in [frame.left, frame.right].into_iter().enumerate() {
-            copy_grey(self.buffer.view(image), &mut self.images[i], &mut self.grey[i]);
+        let [left, right] = &mut self.buffers;
+        let views = [left.view(frame.left), right.view(frame.right)];
+        for (view, grey) in views.into_iter().zip(&mut self.grey) {
+            copy_upper_bits(view, grey);
         }
         self.guide.reset(columns, rows, 0);
         for y in 0..rows {
@@ -336,9 +327,8 @@ impl Pipeline for SemiGlobalMatching {
         self.right.begin(0, width, rows);
         self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
-            let [left, right] = &self.images;
-            let grey = [&self.grey[0], &self.grey[1]];
-            self.features.compute(self.level, [left, right], grey, work.y0, rows);
+            let seen = [(views[0], &self.grey[0]), (views[1], &self.grey[1])];
+            self.features.compute(self.level, seen, &space, (work.y0, rows));
             self.rows.resize_with(rows, Row::default);
             self.optimize(&space, false);
             if self.finish == Finish::SupportWeights {

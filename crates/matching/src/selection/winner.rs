@@ -71,8 +71,7 @@ at_every_level! {
             }
             let (start, count) = (candidates.start as u32, candidates.len() as u32);
             // Where disparity 0 of this column stands among the right keys.
-            let mirrored = (space.width - 1) as i64 - (space.first + x) as i64 + i64::from(space.min);
-            let place = (mirrored + space.lanes as i64) as usize;
+            let place = (space.mirrored(space.first + x) + space.lanes as i64) as usize;
             let right = &mut right[place..place + space.lanes];
             let mut lowest = [u32::MAX; LANES];
             let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
