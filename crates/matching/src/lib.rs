@@ -34,6 +34,7 @@
 mod aggregation;
 mod cost;
 mod error;
+mod ingredient;
 mod kernels;
 mod matcher;
 mod optimization;
@@ -44,6 +45,7 @@ mod refinement;
 mod selection;
 
 pub use error::MatchError;
+pub use ingredient::Ingredient;
 pub use kernels::level::Level;
 pub use matcher::Matcher;
 pub use options::{Holes, Options, Preset};

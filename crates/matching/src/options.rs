@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use raster::DisparityRange;
 
-use crate::MatchError;
+use crate::{Ingredient, MatchError, ingredient};
 
 /// A string of stages for one purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -77,16 +77,19 @@ pub struct Options {
     pub holes: Holes,
     /// Threads to use, at least 1. The answer does not depend on it.
     pub threads: usize,
+    /// What the preset is to do without, to see what it gives: nothing unless stated.
+    pub without: Vec<Ingredient>,
 }
 
 impl Options {
     /// The preset's own parameters, holes filled, one thread per core.
     pub fn new(preset: Preset, range: DisparityRange) -> Self {
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-        Self { preset, range, holes: Holes::Fill, threads }
+        Self { preset, range, holes: Holes::Fill, threads, without: Vec::new() }
     }
 
-    pub(crate) fn check(&self) -> Result<(), MatchError> {
+    /// Errors when no matcher can be built from them.
+    pub fn check(&self) -> Result<(), MatchError> {
         if self.threads == 0 || self.threads > 1024 {
             return Err(MatchError::Option {
                 field: "threads",
@@ -107,6 +110,6 @@ impl Options {
                 });
             }
         }
-        Ok(())
+        ingredient::check(self.preset, &self.without)
     }
 }

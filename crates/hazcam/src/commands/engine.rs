@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use arena::engine::protocol::Job;
 use arena::engine::{Answer, serve};
-use matching::{Matcher, Options, Preset};
+use matching::{Ingredient, Matcher, Options, Preset};
 use raster::{DisparityRange, Image};
 
 use crate::arguments;
@@ -25,6 +25,10 @@ pub struct Args {
     #[arg(short, long, value_parser = super::choice(Preset::ALL.map(Preset::name)))]
     matcher: String,
 
+    /// What to leave out of it, as `hazcam bench --ablation` does
+    #[arg(long, value_name = "INGREDIENT", value_delimiter = ',')]
+    without: Vec<Ingredient>,
+
     /// Threads to use, whatever the jobs allow [default: as many as the job allows]
     #[arg(long, value_name = "N", value_parser = arguments::threads)]
     threads: Option<usize>,
@@ -33,6 +37,10 @@ pub struct Args {
 /// Answers jobs until stdin ends.
 pub fn run(args: Args, _ui: &Ui) -> anyhow::Result<ExitCode> {
     let preset: Preset = args.matcher.parse()?;
+    // Any range and number of threads: each job has its own.
+    let mut options = Options::new(preset, DisparityRange::new(0, 0)?);
+    options.without = args.without;
+    options.check()?;
     let mut kept = None;
     serve(
         io::stdin().lock(),
@@ -41,7 +49,7 @@ pub fn run(args: Args, _ui: &Ui) -> anyhow::Result<ExitCode> {
         env!("CARGO_PKG_VERSION"),
         |job, left, right| {
             let threads = args.threads.unwrap_or(job.threads);
-            answer(&mut kept, preset, threads, job, left, right)
+            answer(&mut kept, &options, threads, job, left, right)
         },
     )
     .context("the engine protocol was broken")?;
@@ -53,7 +61,7 @@ type Kept = Option<(DisparityRange, usize, Matcher)>;
 
 fn answer(
     kept: &mut Kept,
-    preset: Preset,
+    options: &Options,
     threads: usize,
     job: &Job,
     left: &Image,
@@ -62,8 +70,8 @@ fn answer(
     let range = job.range().map_err(|error| error.to_string())?;
     let bounds = job.bounding_box().map_err(|error| error.to_string())?;
     if !matches!(kept, Some((known, count, _)) if *known == range && *count == threads) {
-        let mut options = Options::new(preset, range);
-        options.threads = threads;
+        let mut options = options.clone();
+        (options.range, options.threads) = (range, threads);
         let matcher = Matcher::new(options).map_err(|error| error.to_string())?;
         *kept = Some((range, threads, matcher));
     }

@@ -3,20 +3,20 @@
 mod fast;
 mod semi_global;
 
+use crate::ingredient::Ingredients;
 use crate::kernels::level::Level;
 use crate::matcher::Pipeline;
 use crate::{MatchError, Options, Preset};
-use semi_global::{Finish, SemiGlobalMatching};
+use semi_global::SemiGlobalMatching;
 
 /// The stages that the options ask for.
 pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchError> {
-    let semi_global = |finish| -> Result<Box<dyn Pipeline>, MatchError> {
-        Ok(Box::new(SemiGlobalMatching::new(finish, Level::chosen()?)))
-    };
     match options.preset {
         Preset::Fast => Ok(Box::new(fast::Fast::new(Level::chosen()?))),
-        Preset::Balanced => semi_global(Finish::Median),
-        Preset::Best => semi_global(Finish::SupportWeights),
+        preset @ (Preset::Balanced | Preset::Best) => {
+            let ingredients = Ingredients::of(preset, &options.without);
+            Ok(Box::new(SemiGlobalMatching::new(ingredients, Level::chosen()?)))
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::MatchError;
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
+use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{median_of_5_rows, rows_around};
 use crate::kernels::path::padded;
@@ -23,14 +24,12 @@ use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
-use crate::selection::cross_check::{ViewMap, cross_check};
+use crate::selection::cross_check::{ViewMap, cross_check, disagreements};
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::{Winners, fraction, right_fraction};
 
 /// What changes of disparity cost.
 const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
-/// So often paths that follow the surfaces of the run before are run once more.
-const FOLLOWING_RUNS: usize = 2;
 /// Smaller groups of equal disparity are speckles.
 const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
@@ -42,19 +41,10 @@ const HALF_SURE: f32 = 60.0;
 /// The confidence of a pixel that both cameras see, but that got its disparity from its neighbours.
 const MISMATCHED: f32 = 0.05;
 
-/// What follows after the semi-global paths.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Finish {
-    /// Holes filled, and a median.
-    Median,
-    /// Before that, the paths follow the surfaces that they have found, [`FOLLOWING_RUNS`] times, and
-    /// both views take planes from their neighbourhood by adaptive support weights.
-    SupportWeights,
-}
-
 /// What every stage after the paths needs to know.
 #[derive(Clone, Copy)]
 struct Search {
+    ingredients: Ingredients,
     level: Level,
     /// Columns of both images.
     width: usize,
@@ -78,7 +68,7 @@ struct View {
 
 /// The stages and their memory.
 pub(crate) struct SemiGlobalMatching {
-    finish: Finish,
+    ingredients: Ingredients,
     level: Level,
     buffers: [GreyBuffer; 2],
     grey: [Plane<u8>; 2],
@@ -106,9 +96,11 @@ struct Row {
 
 impl Row {
     /// Disparities of both views; those of the right one in mirror order.
-    fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16]) {
+    fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16], sub_pixel: bool) {
         self.winners.select(level, space, sums);
-        let disparity = |k: usize, part: f32| (space.min + k as i32) as f32 + part;
+        let disparity = |k: usize, part: f32| {
+            (space.min + k as i32) as f32 + if sub_pixel { part } else { 0.0 }
+        };
         self.left.clear();
         self.confidence.clear();
         for (x, &(winner, margin)) in self.winners.left.iter().enumerate() {
@@ -128,9 +120,9 @@ impl Row {
 }
 
 impl SemiGlobalMatching {
-    pub fn new(finish: Finish, level: Level) -> Self {
+    pub fn new(ingredients: Ingredients, level: Level) -> Self {
         Self {
-            finish,
+            ingredients,
             level,
             buffers: Default::default(),
             grey: Default::default(),
@@ -218,8 +210,15 @@ impl View {
 
     /// Takes out what the other view does not confirm, and small groups.
     fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) {
-        let Search { level, numbers, width, .. } = search;
-        cross_check(width, &mut self.map, other, other_first);
+        let Search { ingredients, level, numbers, width, .. } = search;
+        if ingredients.has(Ingredient::LeftRightCheck) {
+            cross_check(width, &mut self.map, other, other_first);
+        } else {
+            self.accept();
+        }
+        if !ingredients.has(Ingredient::SpeckleFilter) {
+            return;
+        }
         let ViewMap { values, reasons, .. } = &mut self.map;
         let (columns, rows) = values.size();
         in_steps(level, numbers, values, &mut self.steps);
@@ -236,10 +235,18 @@ impl View {
         }
     }
 
+    /// Takes every disparity for a match.
+    fn accept(&mut self) {
+        let ViewMap { values, reasons, .. } = &mut self.map;
+        for (value, reason) in values.samples().iter().zip(reasons.samples_mut()) {
+            *reason = if value.is_nan() { Reason::OccludedHole } else { Reason::Matched };
+        }
+    }
+
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
     fn refine(&mut self, search: Search, other: &Looks) {
-        let Search { level, width, range, .. } = search;
-        fill(level, width, range, &mut self.map, &mut self.filled);
+        let Search { ingredients, level, width, range, .. } = search;
+        fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
         small_median(&self.filled, &mut self.smooth);
         let pair = Pair {
             base: &self.looks,
@@ -257,14 +264,19 @@ impl SemiGlobalMatching {
     /// the image.
     fn optimize(&mut self, space: &SearchSpace, follow: bool) {
         let level = self.level;
+        let penalties = match self.ingredients.has(Ingredient::AdaptiveP2) {
+            true => PENALTIES,
+            false => Penalties { fall: 0.0, ..PENALTIES },
+        };
+        let sub_pixel = self.ingredients.has(Ingredient::SubPixel);
         self.optimizer.run(
             level,
             &self.features.costs(level, space),
             &self.guide,
             follow.then_some(&self.prior),
-            &PENALTIES,
+            &penalties,
             &mut self.rows,
-            |_, sums, row| row.select(level, space, sums),
+            |_, sums, row| row.select(level, space, sums, sub_pixel),
         );
         for (y, row) in self.rows.iter().enumerate() {
             self.left.map.values.row_mut(y).copy_from_slice(&row.left);
@@ -276,27 +288,42 @@ impl SemiGlobalMatching {
     /// Runs the paths again along the surfaces of the map as it is.
     fn follow_surfaces(&mut self, space: &SearchSpace, search: Search) {
         self.left.check(search, &self.right.map.values, self.right.map.first);
+        let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
-        fill(search.level, search.width, search.range, map, filled);
-        self.prior.fit(search.level, &map.values, filled);
+        fill(ingredients, level, width, range, map, filled);
+        self.prior.fit(level, &map.values, filled);
         self.optimize(space, true);
     }
 
-    /// Sharpens both views: each takes planes from its neighbourhood.
+    /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
     fn sharpen(&mut self, search: Search, work: BoundingBox) {
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
         raw.samples_mut().copy_from_slice(map.values.samples());
         self.left.check(search, &self.right.map.values, self.right.map.first);
-        self.right.check(search, &self.left.filled, self.left.map.first);
+        let both = search.ingredients.has(Ingredient::RightSupportWeights);
+        if both {
+            self.right.check(search, &self.left.filled, self.left.map.first);
+        }
         let [other_of_left, other_of_right] = &mut self.others;
         self.left.looks.compute(&self.grey[0], work.y0, work.rows());
         other_of_left.compute(&self.grey[1], work.y0, work.rows());
-        other_of_left.mirrored(&mut self.right.looks);
-        self.left.looks.mirrored(other_of_right);
+        if both {
+            other_of_left.mirrored(&mut self.right.looks);
+            self.left.looks.mirrored(other_of_right);
+            self.right.refine(search, other_of_right);
+        }
         self.left.refine(search, other_of_left);
-        self.right.refine(search, other_of_right);
+    }
+
+    /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
+    fn trust_agreement(&mut self, width: usize) {
+        let (left, right) = (&self.left.map, &self.right.map);
+        disagreements(width, left, &right.values, right.first, &mut self.confidence);
+        for confidence in self.confidence.samples_mut() {
+            *confidence = if confidence.is_nan() { 0.0 } else { 1.0 / (1.0 + *confidence) };
+        }
     }
 }
 
@@ -322,27 +349,39 @@ impl Pipeline for SemiGlobalMatching {
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
-        let search = Search { level: self.level, width, range, numbers: FixedPoint::new(&space) };
+        let (ingredients, level, numbers) = (self.ingredients, self.level, FixedPoint::new(&space));
+        let search = Search { ingredients, level, width, range, numbers };
         self.left.begin(work.x0, columns, rows);
         self.right.begin(0, width, rows);
         self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
-            let seen = [(views[0], &self.grey[0]), (views[1], &self.grey[1])];
-            self.features.compute(self.level, seen, &space, (work.y0, rows));
+            // Flat grey has no gradient.
+            let flat = match ingredients.has(Ingredient::Gradient) {
+                true => None,
+                false => Some(Plane::filled(width, height, 0)),
+            };
+            let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
+            self.features.compute(level, seen, &space, (work.y0, rows));
             self.rows.resize_with(rows, Row::default);
             self.optimize(&space, false);
-            if self.finish == Finish::SupportWeights {
-                for _ in 0..FOLLOWING_RUNS {
+            if ingredients.has(Ingredient::SurfacePrior) {
+                self.follow_surfaces(&space, search);
+                if ingredients.has(Ingredient::LastSurfaceRun) {
                     self.follow_surfaces(&space, search);
                 }
+            }
+            if ingredients.has(Ingredient::SupportWeights) {
                 self.sharpen(search, work);
+            }
+            if !ingredients.has(Ingredient::PathMargin) {
+                self.trust_agreement(width);
             }
             self.left.check(search, &self.right.map.values, self.right.map.first);
         }
         let View { map: left, filled, smooth, steps, .. } = &mut self.left;
-        fill(self.level, width, range, left, filled);
-        if space.count > 0 {
-            median(self.level, search.numbers, filled, steps, smooth);
+        fill(ingredients, level, width, range, left, filled);
+        if space.count > 0 && ingredients.has(Ingredient::Median) {
+            median(level, numbers, filled, steps, smooth);
         } else {
             smooth.clone_from(filled);
         }

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use super::plane_fit::Surface;
 use super::row_fill::{copy_nearest_rows, filled};
+use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::selection::cross_check::ViewMap;
 
@@ -104,12 +105,15 @@ impl Hole {
 
 /// Fills the holes of `view` into `out`; its reasons become `..Filled`. Every value lies in `range`.
 pub(crate) fn fill(
+    ingredients: Ingredients,
     level: Level,
     width: usize,
     range: DisparityRange,
     view: &mut ViewMap,
     out: &mut Plane<f32>,
 ) {
+    let interpolates = ingredients.has(Ingredient::Interpolation);
+    let continues = ingredients.has(Ingredient::PlaneFill);
     let (columns, rows) = view.values.size();
     out.reset(columns, rows, f32::NAN);
     let (first, values) = (view.first, &view.values);
@@ -130,9 +134,10 @@ pub(crate) fn fill(
                 x = end;
                 let inner = hole.before.is_some() && hole.after.is_some();
                 let hidden = |reason| !inner || reason == Reason::OccludedHole;
-                let one_surface = hole.one_surface();
+                let one_surface = hole.one_surface().filter(|_| interpolates);
                 let reasons = &mut reasons[hole.columns.clone()];
-                if one_surface.is_none() && reasons.iter().any(|&reason| hidden(reason)) {
+                let is_hidden = reasons.iter().any(|&reason| hidden(reason));
+                if one_surface.is_none() && is_hidden && continues {
                     hole.find_slopes(level, values, y);
                 }
                 for (u, reason) in hole.columns.clone().zip(reasons) {
@@ -165,6 +170,7 @@ pub(crate) fn fill(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Preset;
 
     const HOLE: f32 = f32::NAN;
 
@@ -176,7 +182,8 @@ mod tests {
 
     fn filled_rows(view: &mut ViewMap) -> Plane<f32> {
         let mut out = Plane::default();
-        fill(Level::detect(), 60, DisparityRange::new(0, 50).unwrap(), view, &mut out);
+        let all = Ingredients::of(Preset::Balanced, &[]);
+        fill(all, Level::detect(), 60, DisparityRange::new(0, 50).unwrap(), view, &mut out);
         out
     }
 

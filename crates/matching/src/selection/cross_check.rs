@@ -51,13 +51,9 @@ pub(crate) fn cross_check(
                 }
             }
             for (x, (value, reason)) in values.iter_mut().zip(reasons).enumerate() {
-                let target = mirrored - (first + x as f32 - *value) - other_first as f32;
-                let back = if target > -0.5 && target < other.len() as f32 - 0.5 {
-                    other[target.round() as usize]
-                } else {
-                    f32::NAN
-                };
-                *reason = if (back - *value).abs() <= TOLERANCE {
+                let column = first + x as f32;
+                *reason = if disagreement(mirrored, column, *value, other, other_first) <= TOLERANCE
+                {
                     Reason::Matched
                 } else if pointed_at[x..x + 3].contains(&true) {
                     Reason::MismatchedHole
@@ -70,6 +66,35 @@ pub(crate) fn cross_check(
             }
         },
     );
+}
+
+/// By how much the two views differ in every pixel of `view`; NaN where either has no disparity.
+pub(crate) fn disagreements(
+    width: usize,
+    view: &ViewMap,
+    other: &Plane<f32>,
+    other_first: usize,
+    out: &mut Plane<f32>,
+) {
+    let (columns, rows) = view.values.size();
+    out.reset(columns, rows, f32::NAN);
+    let mirrored = (width - 1) as f32;
+    out.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, out)| {
+        let columns = (view.first..).map(|column| column as f32);
+        for ((column, &value), out) in columns.zip(view.values.row(y)).zip(out) {
+            *out = disagreement(mirrored, column, value, other.row(y), other_first);
+        }
+    });
+}
+
+/// By how much `value`, in this column of one view, differs from what the other says where it points.
+fn disagreement(mirrored: f32, column: f32, value: f32, other: &[f32], other_first: usize) -> f32 {
+    let target = mirrored - (column - value) - other_first as f32;
+    if target > -0.5 && target < other.len() as f32 - 0.5 {
+        (other[target.round() as usize] - value).abs()
+    } else {
+        f32::NAN
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,244 @@
+//! What can be left out of a preset, to see what it gives.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::{MatchError, Preset};
+
+/// A part of `balanced` and `best` that can be left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Ingredient {
+    /// Differences of grey steps in the cost.
+    Gradient,
+    /// A large penalty that falls with the grey step.
+    AdaptiveP2,
+    /// Paths that follow fitted planes.
+    SurfacePrior,
+    /// The last of the runs that follow planes.
+    LastSurfaceRun,
+    /// The fraction of a pixel.
+    SubPixel,
+    /// Planes from the neighbourhood by adaptive support weights.
+    SupportWeights,
+    /// The same in the right view.
+    RightSupportWeights,
+    /// The check against the right view.
+    LeftRightCheck,
+    /// Small groups taken out.
+    SpeckleFilter,
+    /// Holes inside a surface run from one end to the other.
+    Interpolation,
+    /// The background continued along its plane.
+    PlaneFill,
+    /// The median of 5 x 5 pixels.
+    Median,
+    /// Confidence by the margin of the paths' sums.
+    PathMargin,
+}
+
+use Ingredient::*;
+
+/// Both presets have these, in the order of the stages.
+const BALANCED: [Ingredient; 9] = [
+    Gradient,
+    AdaptiveP2,
+    SubPixel,
+    LeftRightCheck,
+    SpeckleFilter,
+    Interpolation,
+    PlaneFill,
+    Median,
+    PathMargin,
+];
+
+const BEST: [Ingredient; 13] = [
+    Gradient,
+    AdaptiveP2,
+    SurfacePrior,
+    LastSurfaceRun,
+    SubPixel,
+    SupportWeights,
+    RightSupportWeights,
+    LeftRightCheck,
+    SpeckleFilter,
+    Interpolation,
+    PlaneFill,
+    Median,
+    PathMargin,
+];
+
+impl Ingredient {
+    /// What can be left out of a preset, in the order of its stages; nothing of `fast`.
+    pub fn of(preset: Preset) -> &'static [Ingredient] {
+        match preset {
+            Preset::Fast => &[],
+            Preset::Balanced => &BALANCED,
+            Preset::Best => &BEST,
+        }
+    }
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        self.told().0
+    }
+
+    /// What it is, in one line.
+    pub fn explanation(self) -> &'static str {
+        self.told().1
+    }
+
+    /// What stands in its place when it is left out.
+    pub fn instead(self) -> &'static str {
+        self.told().2
+    }
+
+    fn told(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Gradient => {
+                ("gradient", "differences of grey steps beside the census", "the census alone")
+            }
+            AdaptiveP2 => (
+                "adaptive-p2",
+                "P2 falls where the grey value steps",
+                "P2 is the same everywhere, as large as on flat grey",
+            ),
+            SurfacePrior => (
+                "surface-prior",
+                "two more runs of the paths, along the surfaces found",
+                "one run, parallel to the image",
+            ),
+            LastSurfaceRun => (
+                "last-surface-run",
+                "the second of these runs",
+                "one run along the surfaces of the first",
+            ),
+            SubPixel => (
+                "sub-pixel",
+                "the fraction of a pixel from three sums of the paths",
+                "whole disparities from the paths",
+            ),
+            SupportWeights => (
+                "support-weights",
+                "planes from the neighbourhood, judged by adaptive support weights",
+                "the disparities of the paths",
+            ),
+            RightSupportWeights => (
+                "right-support-weights",
+                "the same in the right view",
+                "the left view is checked against the paths' right one",
+            ),
+            LeftRightCheck => (
+                "left-right-check",
+                "winners that the right view does not confirm go out",
+                "all winners stay",
+            ),
+            SpeckleFilter => (
+                "speckle-filter",
+                "groups of fewer than 60 pixels go out",
+                "groups of any size stay",
+            ),
+            Interpolation => (
+                "interpolation",
+                "a hole between two ends of one surface runs from one to the other",
+                "every hole belongs to the smaller end",
+            ),
+            PlaneFill => (
+                "plane-fill",
+                "occluded pixels continue the plane of the background",
+                "they take its disparity as it is",
+            ),
+            Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
+            PathMargin => (
+                "path-margin",
+                "confidence: how far the winner's sum lies below any other",
+                "1 / (1 + difference of the two views' disparities)",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Ingredient {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Ingredient {
+    type Err = MatchError;
+
+    fn from_str(text: &str) -> Result<Self, MatchError> {
+        // `best` has all that there are.
+        BEST.into_iter().find(|ingredient| ingredient.name() == text).ok_or_else(|| {
+            MatchError::Option {
+                field: "without",
+                value: format!("`{text}`"),
+                allowed: format!("it must be one of {}", names(&BEST)),
+            }
+        })
+    }
+}
+
+fn names(ingredients: &[Ingredient]) -> String {
+    ingredients.iter().map(|ingredient| ingredient.name()).collect::<Vec<_>>().join(", ")
+}
+
+/// Errors when something is to be left out that the preset does not have.
+pub(crate) fn check(preset: Preset, without: &[Ingredient]) -> Result<(), MatchError> {
+    let own = Ingredient::of(preset);
+    let Some(stranger) = without.iter().find(|ingredient| !own.contains(ingredient)) else {
+        return Ok(());
+    };
+    let allowed = match own {
+        [] => format!("nothing can be left out of `{preset}`"),
+        own => format!("`{preset}` is made without it; it has {}", names(own)),
+    };
+    Err(MatchError::Option { field: "without", value: format!("`{stranger}`"), allowed })
+}
+
+/// A set of ingredients, small enough to be handed to every stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Ingredients(u16);
+
+impl Ingredients {
+    /// What a preset is made with when some of it is left out.
+    pub fn of(preset: Preset, without: &[Ingredient]) -> Self {
+        let used = Ingredient::of(preset).iter().filter(|own| !without.contains(own));
+        Self(used.fold(0, |set, ingredient| set | 1 << *ingredient as u16))
+    }
+
+    pub fn has(self, ingredient: Ingredient) -> bool {
+        self.0 & 1 << ingredient as u16 != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back_and_best_has_all_of_balanced_in_the_same_order() {
+        for ingredient in BEST {
+            assert_eq!(ingredient.name().parse(), Ok(ingredient));
+        }
+        let shared: Vec<_> = BEST.into_iter().filter(|own| BALANCED.contains(own)).collect();
+        assert_eq!(shared, BALANCED);
+        let error = "salt".parse::<Ingredient>().unwrap_err().to_string();
+        assert!(error.contains("`salt`, but it must be one of gradient, "), "{error}");
+    }
+
+    #[test]
+    fn a_set_holds_what_is_not_left_out() {
+        let set = Ingredients::of(Preset::Balanced, &[Median]);
+        assert!(set.has(Gradient) && !set.has(Median) && !set.has(SurfacePrior));
+    }
+
+    #[test]
+    fn only_what_a_preset_has_can_be_left_out() {
+        assert_eq!(check(Preset::Best, &BEST), Ok(()));
+        let error = |preset| check(preset, &[Median, SurfacePrior]).unwrap_err().to_string();
+        let balanced = error(Preset::Balanced);
+        assert!(balanced.contains("`surface-prior`, but `balanced` is made without it"));
+        assert!(error(Preset::Fast).contains("nothing can be left out of `fast`"));
+    }
+}
