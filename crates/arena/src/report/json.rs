@@ -2,17 +2,16 @@
 
 use serde::Serialize;
 
-use super::summary::Summary;
 use crate::record::Record;
 
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report<'a, S> {
     records: &'a [Record],
-    summaries: &'a [Summary],
+    summaries: &'a [S],
 }
 
-/// The records with all their figures, and the summaries, as JSON text.
-pub fn to_json(records: &[Record], summaries: &[Summary]) -> String {
+/// The records with all their figures, and what they come to, as JSON text.
+pub fn to_json<S: Serialize>(records: &[Record], summaries: &[S]) -> String {
     let mut text = serde_json::to_string_pretty(&Report { records, summaries })
         .expect("records hold only what JSON can hold");
     text.push('\n');

@@ -1,6 +1,7 @@
 //! Measuring as a person meets it: `engine`, `demo` and `bench` are run, and what they print, leave
 //! behind and end with is looked at.
 
+mod ablation;
 mod bench;
 mod demo;
 mod engine;

@@ -7,7 +7,7 @@ use arena::dataset::Case;
 use arena::engine::Definition;
 use arena::record::Machine;
 use arena::run::{self, Event, Outcome, Plan};
-use matching::{Level, Preset};
+use matching::Level;
 
 use super::engines::EngineArguments;
 use super::limits::Limits;
@@ -53,10 +53,13 @@ impl Contest {
         if let Some(place) = output.place() {
             ui.note(place);
         }
-        let own_failed = records.iter().any(|record| {
-            record.status.message().is_some()
-                && Preset::ALL.iter().any(|preset| preset.name() == record.engine)
-        });
+        let is_own = |name: &str| {
+            let mut own = plan.engines.iter().filter(|engine| engine.command[0] == "{hazcam}");
+            own.any(|engine| engine.name == name)
+        };
+        let own_failed = records
+            .iter()
+            .any(|record| record.status.message().is_some() && is_own(&record.engine));
         if own_failed || unreadable > 0 || records.is_empty() {
             return Ok(cli::ERROR.into());
         }

@@ -99,6 +99,11 @@ impl EngineArguments {
         self.repeat.map_or(default, |count| count as usize)
     }
 
+    /// Hazcam's own matchers that the user has chosen by name.
+    pub fn presets(&self) -> anyhow::Result<Vec<Preset>> {
+        Ok(self.matcher.iter().map(|name| name.parse()).collect::<Result<_, _>>()?)
+    }
+
     /// Whether the user has chosen who runs.
     pub fn are_chosen(&self) -> bool {
         !(self.matcher.is_empty() && self.engine.is_empty())

@@ -3,8 +3,9 @@
 //! One file per question: which engines, which scenes ([`scenes`] on disk, [`rendered`] ones), how
 //! they are run against each other ([`contest`]), what they are held to ([`limits`]), how the
 //! results are shown ([`tables`]) and where they go ([`output`], [`pictures`], [`into`]); and how fast
-//! they are ([`speed`]).
+//! they are ([`speed`]), and what each of their ingredients gives ([`ablation`]).
 
+pub mod ablation;
 pub mod contest;
 pub mod engines;
 pub mod into;
@@ -54,7 +55,8 @@ Examples:
   hazcam bench --stress --format markdown
   hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml
   hazcam bench --speed --threads 2 --record benchmarks/speed.json --into README.md
-  hazcam bench --speed --sweep --matcher fast")]
+  hazcam bench --speed --sweep --matcher fast
+  hazcam bench --ablation --matcher balanced --scenes 'middlebury*'")]
 pub struct Args {
     #[command(flatten)]
     scenes: SceneArguments,
@@ -79,6 +81,12 @@ pub struct Args {
     #[command(flatten)]
     speed: SpeedArguments,
 
+    /// Show what each ingredient of balanced and best gives, by leaving out one at a time, on the
+    /// tuning scenes unless --use says otherwise; `hazcam engine --without` runs one such variant
+    #[arg(long, help_heading = "Ablation")]
+    #[arg(conflicts_with_all = ["speed", "stress", "reference", "limits", "engine"])]
+    ablation: bool,
+
     /// How to show the results
     #[arg(long, default_value = "text", help_heading = "Output")]
     #[arg(value_parser = super::choice(Format::NAMES))]
@@ -93,7 +101,8 @@ pub struct Args {
     pictures: bool,
 
     /// Put an overview into a Markdown page, between its lines <!-- results --> and
-    /// <!-- /results -->, with --speed between <!-- speed --> and <!-- /speed -->
+    /// <!-- /results -->, with --speed between <!-- speed --> and <!-- /speed -->, with
+    /// --ablation between <!-- ablation --> and <!-- /ablation -->
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     into: Option<PathBuf>,
 }
@@ -109,15 +118,20 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         true => {
             scenes::matching(rendered::stress(), |case| &case.id, args.scenes.scenes.as_deref())?
         }
+        false if args.ablation => args.scenes.cases(&[Purpose::Tuning])?,
         false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered])?,
     };
     let contest = Contest {
         cases,
-        engines: args.engines.definitions(&BESIDE, args.reference.as_deref())?,
+        engines: match args.ablation {
+            true => ablation::engines(&args.engines.presets()?)?,
+            false => args.engines.definitions(&BESIDE, args.reference.as_deref())?,
+        },
         reference: args.reference,
         limits: args.limits.as_deref().map(Limits::read).transpose()?,
     };
-    let page = args.into.map(|path| Page::open(path, "results")).transpose()?;
+    let marker = if args.ablation { "ablation" } else { "results" };
+    let page = args.into.map(|path| Page::open(path, marker)).transpose()?;
     let mut output = match args.out {
         Some(folder) => Output::in_folder(folder, args.pictures)?,
         None => Output::default(),
@@ -125,6 +139,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     (output.format, output.page) = (format, page);
     if args.stress {
         output.view = View::Strains;
+    } else if args.ablation {
+        output.view = View::Ablation;
     }
     contest.run(&args.engines, output, ui)
 }

@@ -12,7 +12,7 @@ use formats::write_atomically;
 
 use super::into::Page;
 use super::pictures;
-use super::tables::{self, Tables, View};
+use super::tables::{Tables, View};
 
 /// What is shown and kept of a run.
 #[derive(Default)]
@@ -77,7 +77,7 @@ impl Output {
             }
         }
         if let Some(page) = &self.page {
-            page.put(&tables::overview(records))?;
+            page.put(&tables.for_page())?;
         }
         Ok(tables.render(self.format))
     }

@@ -4,6 +4,7 @@ use arena::engine::measures_cpu_time;
 use arena::record::{Machine, Record};
 use arena::report::{self, Format, Table};
 
+use super::ablation;
 use super::into::command_line;
 use crate::wrap::wrapped;
 
@@ -17,6 +18,8 @@ pub enum View {
     Regions,
     /// Only how the share of bad pixels changes from scene to scene.
     Strains,
+    /// What each ingredient of a preset gives.
+    Ablation,
 }
 
 /// A run to be shown.
@@ -30,15 +33,22 @@ pub struct Tables<'a> {
 }
 
 impl Tables<'_> {
-    /// The tables with their legend; as CSV the scores alone, as JSON the records.
+    /// The tables with their legend; as CSV the scores or the ablation alone, as JSON the records with
+    /// what they come to.
     pub fn render(&self, format: Format) -> String {
         match format {
             Format::Text => self.document(Table::to_text, |line| wrapped(&line).join("\n  ")),
             Format::Markdown => self.document(Table::to_markdown, |line| format!("* {line}")),
-            Format::Csv => report::scores_table(self.records).to_csv(),
-            Format::Json => {
-                report::to_json(self.records, &report::summaries(self.records, self.reference))
-            }
+            Format::Csv => match self.view {
+                View::Ablation => ablation::table(&ablation::rows(self.records)).to_csv(),
+                _ => report::scores_table(self.records).to_csv(),
+            },
+            Format::Json => match self.view {
+                View::Ablation => report::to_json(self.records, &ablation::rows(self.records)),
+                _ => {
+                    report::to_json(self.records, &report::summaries(self.records, self.reference))
+                }
+            },
         }
     }
 
@@ -79,7 +89,32 @@ impl Tables<'_> {
                         .into(),
                 ]))
             ),
+            View::Ablation => {
+                let rows = ablation::rows(records);
+                let notes = notes(self.notes(ablation::legend(&rows)));
+                format!("{}\n{notes}", show(&ablation::table(&rows)))
+            }
         }
+    }
+
+    /// For a page: the table of an ablation, else every engine on every scene, and how it was
+    /// measured.
+    pub fn for_page(&self) -> String {
+        let made_by = format!("made by `{}`", command_line());
+        if self.view == View::Ablation {
+            return format!("{}* {made_by}\n", self.render(Format::Markdown));
+        }
+        let mut text = report::overview_table(self.records).to_markdown();
+        text.push_str(
+            "\nE_RMS in px / p_bad, the share of errors > 2 px, over all pixels with truth in the \
+             scene's box; CPU: mean over these scenes, of the engine's process, seen from outside",
+        );
+        for line in self.records.first().map(conditions).iter().chain([&made_by]) {
+            text.push_str("; ");
+            text.push_str(line);
+        }
+        text.push_str(".\n");
+        text
     }
 
     /// Failures, the legend, and how it was measured.
@@ -99,22 +134,6 @@ impl Tables<'_> {
         lines.extend(self.records.first().map(conditions));
         lines
     }
-}
-
-/// For a page: every engine on every scene, and how it was measured.
-pub fn overview(records: &[Record]) -> String {
-    let mut text = report::overview_table(records).to_markdown();
-    text.push_str(
-        "\nE_RMS in px / p_bad, the share of errors > 2 px, over all pixels with truth in the \
-         scene's box; CPU: mean over these scenes, of the engine's process, seen from outside",
-    );
-    let made_by = format!("made by `{}`", command_line());
-    for line in records.first().map(conditions).iter().chain([&made_by]) {
-        text.push_str("; ");
-        text.push_str(line);
-    }
-    text.push_str(".\n");
-    text
 }
 
 /// On which machine a record was made, and with what.
