@@ -1,6 +1,7 @@
 //! The presets: which stages, in which order, with which parameters.
 
 mod fast;
+mod memory;
 mod semi_global;
 
 use crate::kernels::level::Level;
@@ -11,7 +12,7 @@ use semi_global::{Finish, SemiGlobalMatching};
 /// The stages that the options ask for.
 pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchError> {
     let semi_global = |finish| -> Result<Box<dyn Pipeline>, MatchError> {
-        Ok(Box::new(SemiGlobalMatching::new(finish, Level::chosen()?)))
+        Ok(Box::new(SemiGlobalMatching::new(finish, Level::chosen()?, options.memory)))
     };
     match options.preset {
         Preset::Fast => Ok(Box::new(fast::Fast::new(Level::chosen()?))),

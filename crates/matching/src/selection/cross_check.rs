@@ -32,22 +32,22 @@ pub(crate) fn cross_check(
     other: &Plane<f32>,
     other_first: usize,
 ) {
-    let columns = view.values.columns();
+    let (columns, rows) = view.values.size();
+    view.reasons.reset(columns, rows, Reason::OccludedHole);
     let first = view.first as f32;
     // A column of one view, seen from the other, which stands in the mirror.
     let mirrored = (width - 1) as f32;
     let rows = view.values.samples_mut().par_chunks_mut(columns);
-    rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate().for_each_init(
-        Vec::new,
-        |pointed_at, (y, (values, reasons))| {
+    rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate().for_each(
+        |(y, (values, reasons))| {
             let other = other.row(y);
-            pointed_at.clear();
-            pointed_at.resize(columns + 2, false);
             for (u, &d) in other.iter().enumerate() {
                 // The column that this one points at, and one to each side.
                 let target = mirrored - ((u + other_first) as f32 - d) - first;
                 if target >= 0.0 && target <= (columns - 1) as f32 {
-                    pointed_at[target.round() as usize + 1] = true;
+                    let target = target.round() as usize;
+                    let near = target.saturating_sub(1)..=(target + 1).min(columns - 1);
+                    reasons[near].fill(Reason::MismatchedHole);
                 }
             }
             for (x, (value, reason)) in values.iter_mut().zip(reasons).enumerate() {
@@ -57,14 +57,9 @@ pub(crate) fn cross_check(
                 } else {
                     f32::NAN
                 };
-                *reason = if (back - *value).abs() <= TOLERANCE {
-                    Reason::Matched
-                } else if pointed_at[x..x + 3].contains(&true) {
-                    Reason::MismatchedHole
+                if (back - *value).abs() <= TOLERANCE {
+                    *reason = Reason::Matched;
                 } else {
-                    Reason::OccludedHole
-                };
-                if *reason != Reason::Matched {
                     *value = f32::NAN;
                 }
             }
