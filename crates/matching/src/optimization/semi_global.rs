@@ -13,7 +13,7 @@
 
 use std::ops::Range;
 
-use raster::Plane;
+use raster::View;
 
 use crate::kernels::level::Level;
 use crate::kernels::path::{AlongState, RowStates, RowTransitions, padded, paths_of_row};
@@ -88,7 +88,7 @@ struct Trail {
 struct Shared<'a, C> {
     level: Level,
     costs: &'a C,
-    guide: &'a Plane<u8>,
+    guide: View<'a, u8>,
     prior: Option<&'a SurfacePrior>,
     p1: u8,
     p2: [u8; 256],
@@ -249,14 +249,18 @@ impl SemiGlobal {
         &mut self,
         level: Level,
         costs: &impl CostRows,
-        guide: &Plane<u8>,
+        guide: View<'_, u8>,
         prior: Option<&SurfacePrior>,
         penalties: &Penalties,
         bands: Bands,
         [finish_upper, finish_lower]: [F; 2],
     ) {
         let (columns, rows, lanes) = (costs.columns(), costs.rows(), padded(costs.count()));
-        assert_eq!(guide.size(), (columns, rows), "the guide has the size of the costs");
+        assert_eq!(
+            (guide.columns(), guide.rows()),
+            (columns, rows),
+            "the guide has the size of the costs"
+        );
         let (p1, p2) = (penalties.p1, penalties.table());
         let shared = Shared { level, costs, guide, prior, p1, p2, bands };
         let halves = [Self::middle(rows), rows - Self::middle(rows)];
@@ -286,6 +290,7 @@ impl SemiGlobal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raster::Plane;
 
     struct Given {
         columns: usize,
@@ -381,7 +386,7 @@ mod tests {
         let (upper, lower) = found.split_at_mut(middle);
         let finish = [(upper, 0), (lower, middle)]
             .map(|(rows, first)| move |y: usize, sums: &[u16]| rows[y - first] = sums.to_vec());
-        memory.run(level, given, guide, prior, &PENALTIES, bands, finish);
+        memory.run(level, given, guide.view(), prior, &PENALTIES, bands, finish);
         found
     }
 

@@ -57,8 +57,8 @@ impl Needs {
         // Both images at both depths.
         let images = 2 * (1 + 2) * all;
         let grey = grey(frame.left).max(grey(frame.right)) * all;
-        // Census words and steps of both; the guide.
-        let features = 2 * (8 + 1) * wide + part;
+        // Census words and steps of both.
+        let features = 2 * (8 + 1) * wide;
         // Disparities and reasons of the left view, its fixed point and groups. The right view has
         // the memory of the answer.
         let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);

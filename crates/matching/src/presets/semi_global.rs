@@ -53,10 +53,13 @@ pub(crate) enum Finish {
     SupportWeights,
 }
 
-/// What every stage after the paths needs to know.
+/// What every stage needs to know.
 #[derive(Clone, Copy)]
 struct Search {
     level: Level,
+    /// The part of the left image that is matched.
+    work: BoundingBox,
+    bands: Bands,
     /// Columns of both images.
     width: usize,
     /// Disparities that are tried anywhere.
@@ -84,7 +87,6 @@ pub(crate) struct SemiGlobalMatching {
     buffer: GreyBuffer,
     images: [Plane<u16>; 2],
     grey: [Plane<u8>; 2],
-    guide: Plane<u8>,
     features: FeaturePair,
     optimizer: SemiGlobal,
     prior: SurfacePrior,
@@ -110,7 +112,6 @@ impl SemiGlobalMatching {
             buffer: GreyBuffer::default(),
             images: Default::default(),
             grey: Default::default(),
-            guide: Plane::default(),
             features: FeaturePair::default(),
             optimizer: SemiGlobal::default(),
             prior: SurfacePrior::default(),
@@ -227,12 +228,15 @@ impl SemiGlobalMatching {
     fn optimize(
         &mut self,
         space: &SearchSpace,
-        bands: Bands,
+        search: Search,
         confidence: &mut [f32],
         follow: bool,
     ) {
-        let (level, rows) = (self.level, self.guide.rows());
-        let middle = SemiGlobal::middle(rows);
+        let Search { level, work, bands, width, .. } = search;
+        let grey = &self.grey[0].samples()[work.y0 * width + work.x0..];
+        let guide = raster::View::new(work.columns(), work.rows(), width, grey)
+            .expect("the part lies in the image");
+        let middle = SemiGlobal::middle(work.rows());
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
         let confidence = confidence.split_at_mut(middle * space.width);
@@ -248,7 +252,7 @@ impl SemiGlobalMatching {
         self.optimizer.run(
             level,
             &self.features.costs(level, space),
-            &self.guide,
+            guide,
             follow.then_some(&self.prior),
             &PENALTIES,
             bands,
@@ -257,22 +261,17 @@ impl SemiGlobalMatching {
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
-    fn follow_surfaces(
-        &mut self,
-        space: &SearchSpace,
-        bands: Bands,
-        search: Search,
-        confidence: &mut [f32],
-    ) {
+    fn follow_surfaces(&mut self, space: &SearchSpace, search: Search, confidence: &mut [f32]) {
         self.left.check(search, &self.right.map.values, self.right.map.first);
         let View { map, filled, .. } = &mut self.left;
         fill(search.level, search.width, search.range, map, filled);
         self.prior.fit(search.level, &map.values, filled);
-        self.optimize(space, bands, confidence, true);
+        self.optimize(space, search, confidence, true);
     }
 
     /// Sharpens both views: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, search: Search, work: BoundingBox) {
+    fn sharpen(&mut self, search: Search) {
+        let work = search.work;
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
@@ -290,14 +289,8 @@ impl SemiGlobalMatching {
 
     /// The median of 5 x 5 pixels of the left view, which is there in fixed point, for a box of the
     /// image.
-    fn smooth(
-        &mut self,
-        search: Search,
-        work: BoundingBox,
-        bounds: BoundingBox,
-        values: &mut Plane<f32>,
-    ) {
-        let Search { level, numbers, .. } = search;
+    fn smooth(&mut self, search: Search, bounds: BoundingBox, values: &mut Plane<f32>) {
+        let Search { level, work, numbers, .. } = search;
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
         let width = values.columns();
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
@@ -343,18 +336,20 @@ impl Pipeline for SemiGlobalMatching {
         for (i, image) in [frame.left, frame.right].into_iter().enumerate() {
             copy_grey(self.buffer.view(image), &mut self.images[i], &mut self.grey[i]);
         }
-        self.guide.reset(columns, rows, 0);
-        for y in 0..rows {
-            let from = &self.grey[0].row(work.y0 + y)[work.x0..=work.x1];
-            self.guide.row_mut(y).copy_from_slice(from);
-        }
 
         let space = search_space(frame, work);
         let bands = Needs::new(frame, work, &space, self.finish).bands(self.memory);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
-        let search = Search { level: self.level, width, range, numbers: FixedPoint::new(&space) };
+        let search = Search {
+            level: self.level,
+            work,
+            bands,
+            width,
+            range,
+            numbers: FixedPoint::new(&space),
+        };
         // The answer's disparities come last: until then the right view has their memory.
         self.right.map.values = std::mem::take(&mut map.values);
         self.left.begin(work.x0, columns, rows);
@@ -364,12 +359,12 @@ impl Pipeline for SemiGlobalMatching {
             let grey = [&self.grey[0], &self.grey[1]];
             self.features.compute(self.level, [left, right], grey, work.y0, rows);
             let confidence = &mut map.confidence.samples_mut()[work.y0 * width..];
-            self.optimize(&space, bands, confidence, false);
+            self.optimize(&space, search, confidence, false);
             if self.finish == Finish::SupportWeights {
                 for _ in 0..FOLLOWING_RUNS {
-                    self.follow_surfaces(&space, bands, search, confidence);
+                    self.follow_surfaces(&space, search, confidence);
                 }
-                self.sharpen(search, work);
+                self.sharpen(search);
             }
             self.left.check(search, &self.right.map.values, self.right.map.first);
         } else {
@@ -383,7 +378,7 @@ impl Pipeline for SemiGlobalMatching {
         map.values = std::mem::take(filled);
         map.values.reset(width, height, nowhere);
         if space.count > 0 {
-            self.smooth(search, work, bounds, &mut map.values);
+            self.smooth(search, bounds, &mut map.values);
         }
         fill_around(&mut map.values, bounds, f32::NAN);
         fill_around(&mut map.confidence, bounds, 0.0);
