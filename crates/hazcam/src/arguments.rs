@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bytesize::ByteSize;
 use formats::FormatError;
 use raster::BoundingBox;
 
@@ -19,5 +20,35 @@ pub fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..=1024) => Ok(count),
         _ => Err("give a whole number from 1 to 1024".into()),
+    }
+}
+
+/// An amount of memory, in bytes.
+pub fn memory(text: &str) -> Result<usize, String> {
+    let bytes: Option<ByteSize> = text.parse().ok();
+    let bytes = bytes.and_then(|bytes| bytes.as_u64().try_into().ok());
+    bytes.ok_or_else(|| "give a number and a unit from B to TiB, such as 200MB or 1.5GiB".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_read_in_powers_of_ten_and_two() {
+        for (text, bytes) in [
+            ("200MB", 200_000_000),
+            ("200 mb", 200_000_000),
+            ("1.5GiB", 3 << 29),
+            ("64KiB", 1 << 16),
+            ("1kB", 1000),
+            ("12B", 12),
+            ("4096", 4096),
+        ] {
+            assert_eq!(memory(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "MB", "-1MB", "200 apples", "1,5GB"] {
+            assert!(memory(text).is_err(), "{text}");
+        }
     }
 }

@@ -37,15 +37,36 @@ pub enum MatchError {
     /// The box or the range makes no sense for these images.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
+    /// The images have more pixels than can be counted.
+    #[error(
+        "the images have {columns} x {rows} pixels, but at most {limit} can be matched at a time: \
+         cut them into tiles"
+    )]
+    TooLarge {
+        /// Columns of either image.
+        columns: usize,
+        /// Rows of either image.
+        rows: usize,
+        /// Pixels allowed.
+        limit: usize,
+    },
     /// The work does not fit the memory that is allowed.
     #[error(
-        "this needs {needed} bytes of memory but the limit is {limit}: narrow the disparity \
-         range, give a box, or raise the limit"
+        "option `memory` is {} MB, but {columns} x {rows} pixels and {disparities} disparities need \
+         at least {} MB: allow that much, narrow the range, or match a box",
+        *limit as f64 / 1e6,
+        needed.div_ceil(1_000_000)
     )]
     Memory {
+        /// Columns of either image.
+        columns: usize,
+        /// Rows of either image.
+        rows: usize,
+        /// Disparities asked for.
+        disparities: usize,
         /// Bytes needed.
-        needed: u64,
+        needed: usize,
         /// Bytes allowed.
-        limit: u64,
+        limit: usize,
     },
 }

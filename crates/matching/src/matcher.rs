@@ -3,6 +3,7 @@
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
 use crate::presets;
+use crate::refinement::groups::LARGEST;
 use crate::{Holes, MatchError, Options};
 
 /// One pair of images with everything that is asked of it, checked: equal sizes, at least one
@@ -24,6 +25,9 @@ impl Frame<'_> {
 /// A preset's stages with their scratch memory. It runs inside the matcher's own thread pool, so
 /// `rayon`'s parallel iterators use the threads that the options allow.
 pub(crate) trait Pipeline: Send {
+    /// The bytes that a frame takes at the least, of the stages and of `map`.
+    fn least_memory(&self, frame: &Frame<'_>) -> usize;
+
     /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
     /// Holes are filled, with reasons that say so.
     fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError>;
@@ -48,8 +52,8 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
     }
 }
 
-/// Matches pairs of images. It keeps its memory between frames: with `fast`, equal sizes allocate
-/// nothing after the first.
+/// Matches pairs of images. It keeps its memory between frames: equal sizes allocate nothing after
+/// the first.
 pub struct Matcher {
     options: Options,
     pool: rayon::ThreadPool,
@@ -101,13 +105,51 @@ impl Matcher {
         }
         let bounds = bounds.unwrap_or(BoundingBox::whole(columns, rows));
         bounds.check_within(columns, rows)?;
+        if columns * rows > LARGEST {
+            return Err(MatchError::TooLarge { columns, rows, limit: LARGEST });
+        }
         let frame = Frame { left, right, bounds, range: self.options.range };
-        self.map.reset(columns, rows);
         let (pipeline, map) = (&mut self.pipeline, &mut self.map);
-        self.pool.install(|| pipeline.run(&frame, map))?;
+        let allowed = self.options.memory;
+        self.pool.install(|| {
+            if let Some(limit) = allowed {
+                let needed = pipeline.least_memory(&frame);
+                if needed > limit {
+                    let disparities = frame.range.count();
+                    return Err(MatchError::Memory { columns, rows, disparities, needed, limit });
+                }
+            }
+            map.reset(columns, rows);
+            pipeline.run(&frame, map)
+        })?;
         if self.options.holes == Holes::Keep {
             open_holes(map, bounds);
         }
         Ok(&self.map)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Preset;
+    use raster::Plane;
+
+    #[test]
+    fn what_cannot_fit_is_refused_with_the_size_that_would() {
+        let images = [0, 1].map(|_| Image::Grey8(Plane::filled(3000, 2000, 0)));
+        let mut options = Options::new(Preset::Balanced, DisparityRange::new(0, 255).unwrap());
+        options.memory = Some(200_000_000);
+        let mut matcher = Matcher::new(options).unwrap();
+        let error = matcher.compute(&images[0], &images[1], None).unwrap_err();
+        let MatchError::Memory { needed, .. } = error else { panic!("{error}") };
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "option `memory` is 200 MB, but 3000 x 2000 pixels and 256 disparities need at least \
+                 {} MB: allow that much, narrow the range, or match a box",
+                needed.div_ceil(1_000_000)
+            )
+        );
     }
 }

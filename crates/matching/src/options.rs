@@ -77,19 +77,23 @@ pub struct Options {
     pub holes: Holes,
     /// Threads to use, at least 1. The answer does not depend on it.
     pub threads: usize,
+    /// The most bytes that the matcher may take for its stages and its answer; frames that need more
+    /// are refused. `balanced` and `best` take more time where they have less memory, the answer
+    /// does not depend on it. Without a limit only their largest part is bounded, to 256 MB: the sums
+    /// of semi-global matching.
+    pub memory: Option<usize>,
     /// What the preset is to do without, to see what it gives: nothing unless stated.
     pub without: Vec<Ingredient>,
 }
 
 impl Options {
-    /// The preset's own parameters, holes filled, one thread per core.
+    /// The preset's own parameters, holes filled, one thread per core, no limit to the memory.
     pub fn new(preset: Preset, range: DisparityRange) -> Self {
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-        Self { preset, range, holes: Holes::Fill, threads, without: Vec::new() }
+        Self { preset, range, holes: Holes::Fill, threads, memory: None, without: Vec::new() }
     }
 
-    /// Errors when no matcher can be built from them.
-    pub fn check(&self) -> Result<(), MatchError> {
+    pub(crate) fn check(&self) -> Result<(), MatchError> {
         if self.threads == 0 || self.threads > 1024 {
             return Err(MatchError::Option {
                 field: "threads",

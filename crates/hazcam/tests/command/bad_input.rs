@@ -159,6 +159,17 @@ fn a_number_of_threads_that_is_none() {
 }
 
 #[test]
+fn memory_that_is_none_or_too_little() {
+    let folder = Folder::with_pair(64, 40);
+    for memory in ["much", "-1MB", "5apples"] {
+        let expected = ["--memory", "such as 200MB or 1.5GiB"];
+        folder.refuses(&format!("{MATCH} --memory={memory}"), &expected);
+    }
+    let expected = ["`memory` is 0.1 MB, but 64 x 40 pixels", "need at least 1 MB"];
+    folder.refuses(&format!("{MATCH} --memory=100kB"), &expected);
+}
+
+#[test]
 fn truth_of_another_size() {
     let folder = Folder::new();
     folder.disparities("d.pfm", &[1.0, 2.0]);

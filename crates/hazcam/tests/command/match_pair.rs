@@ -174,6 +174,17 @@ fn the_number_of_threads_changes_nothing() {
 }
 
 #[test]
+fn a_limit_to_the_memory_changes_nothing() {
+    let folder = Folder::with_pair(200, 400);
+    let bytes = |options: &str| {
+        folder.run(&format!("match left.png right.png -o d.pfm -d 63 {options}")).done();
+        std::fs::read(folder.path("d.pfm")).unwrap()
+    };
+    assert_eq!(bytes(""), bytes("--memory 8MB"));
+    assert_eq!(sidecar(&folder, "d.pfm.json")["options"]["memory"], 8_000_000);
+}
+
+#[test]
 fn options_come_from_the_environment_and_flags_win() {
     let folder = Folder::with_pair(24, 16);
     let threads = |arguments: &[&str]| {

@@ -26,6 +26,12 @@ pub(crate) struct SlidingWindow {
 }
 
 impl SlidingWindow {
+    /// The memory for a search space.
+    pub fn bytes(space: &SearchSpace) -> usize {
+        let layout = Layout::new(space);
+        FilteredRows::bytes(space, &layout) + Sad::bytes(space, &layout)
+    }
+
     /// Gives the winners of rows `first ..` to `each`, `count` rows in turn. The images are `height`
     /// rows high.
     pub fn slide(

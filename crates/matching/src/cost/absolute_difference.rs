@@ -45,6 +45,12 @@ pub(crate) struct FilteredRows {
 }
 
 impl FilteredRows {
+    /// The memory for the rows of a search space.
+    pub fn bytes(space: &SearchSpace, layout: &Layout) -> usize {
+        // A row as it is and, at 16 bits, smoothed; the ring; a row outside.
+        (1 + size_of::<u32>()) * space.width + KEPT * (layout.left + layout.right) + layout.right
+    }
+
     /// Makes room for the rows of a search space.
     pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
         self.whole.resize(space.width, 0);

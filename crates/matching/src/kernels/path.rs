@@ -57,6 +57,45 @@ impl RowStates {
             }
         }
     }
+
+    /// What [`RowStates::save`] appends.
+    pub fn saved_bytes(columns: usize, padded_count: usize) -> usize {
+        3 * columns * (padded_count + 1)
+    }
+
+    /// The memory of these states.
+    pub fn bytes(columns: usize, padded_count: usize) -> usize {
+        3 * (columns + 2) * (padded_count + 2 * MARGIN + 1)
+    }
+
+    /// Appends what is not the same in every row: the states between the margins, then the least.
+    pub fn save(&self, saved: &mut Vec<u8>) {
+        for (states, least) in self.states.iter().zip(&self.least) {
+            let columns = 1..least.len() - 1;
+            let stride = states.len() / least.len();
+            for x in columns.clone() {
+                saved.extend_from_slice(&states[x * stride..][MARGIN..stride - MARGIN]);
+            }
+            saved.extend_from_slice(&least[columns]);
+        }
+    }
+
+    /// Takes back what [`RowStates::save`] appended.
+    pub fn restore(&mut self, mut saved: &[u8]) {
+        let mut take = |to: &mut [u8]| {
+            let (from, rest) = saved.split_at(to.len());
+            to.copy_from_slice(from);
+            saved = rest;
+        };
+        for (states, least) in self.states.iter_mut().zip(&mut self.least) {
+            let columns = 1..least.len() - 1;
+            let stride = states.len() / least.len();
+            for x in columns.clone() {
+                take(&mut states[x * stride..][MARGIN..stride - MARGIN]);
+            }
+            take(&mut least[columns]);
+        }
+    }
 }
 
 /// The state of the path along the row, of two columns in turn.

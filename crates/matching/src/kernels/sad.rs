@@ -122,6 +122,15 @@ fn refill<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
 }
 
 impl Sad {
+    /// The memory for a search space.
+    pub fn bytes(space: &SearchSpace, layout: &Layout) -> usize {
+        let row = layout.answered + GROUP;
+        // The sums of whole rows, then those of one: of three columns, and five of winners; the
+        // right view's are longer.
+        let sums = space.count * layout.left + size_of::<u16>() * (layout.count + 2) * row;
+        sums + size_of::<u16>() * (layout.left + 6 * row + layout.count + 4 * GROUP)
+    }
+
     /// Begins a band of rows with an empty window.
     pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
         refill(&mut self.columns, space.count * layout.left + 2 * GROUP, 0);

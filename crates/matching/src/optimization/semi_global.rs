@@ -6,14 +6,18 @@
 //! eight replaces the cost.
 //!
 //! Four paths come from above and the left, four from below and the right, so two sweeps do all.
-//! They begin at opposite ends at the same time: until they meet in the middle each writes its
+//! They begin at opposite ends at the same time: until they meet in the middle each leaves its
 //! sums, afterwards each adds to what the other left and hands the finished row on. Two threads
 //! share the work evenly, nothing is stored twice, and the result cannot depend on their pace.
+//! Sums that there is no memory for are made again ([`crate::optimization::bands`]).
 
-use raster::Plane;
+use std::ops::Range;
+
+use raster::View;
 
 use crate::kernels::level::Level;
 use crate::kernels::path::{AlongState, RowStates, RowTransitions, padded, paths_of_row};
+use crate::optimization::bands::{Bands, Checkpoints, Volume};
 use crate::optimization::surface_prior::SurfacePrior;
 
 /// Costs of a row of pixels, one byte each, made anew whenever they are needed.
@@ -53,31 +57,65 @@ impl Penalties {
 /// The memory of the optimisation, kept between frames.
 #[derive(Default)]
 pub struct SemiGlobal {
-    sums: Vec<u16>,
+    /// From the first row to the last, and back.
     sweeps: [Sweep; 2],
+    /// They do the work of these again, from checkpoints on.
+    again: [Sweep; 2],
+    trails: [Trail; 2],
 }
 
 /// What one sweep carries from row to row.
 #[derive(Default)]
 struct Sweep {
+    /// From the last row to the first, and along rows from right to left.
+    reverse: bool,
     states: [RowStates; 2],
     along: AlongState,
     transitions: RowTransitions,
     costs: Vec<u8>,
 }
 
+/// What a sweep leaves in the half in which it begins, for the one that comes from the other.
+#[derive(Default)]
+struct Trail {
+    /// The steps whose sums are there; rows are counted in steps of the sweep.
+    held: Range<usize>,
+    sums: Vec<u16>,
+    checkpoints: Checkpoints,
+}
+
 /// What both sweeps look at.
 struct Shared<'a, C> {
     level: Level,
     costs: &'a C,
-    guide: &'a Plane<u8>,
+    guide: View<'a, u8>,
     prior: Option<&'a SurfacePrior>,
     p1: u8,
     p2: [u8; 256],
+    bands: Bands,
+}
+
+impl<C: CostRows> Shared<'_, C> {
+    /// The row at a step of a sweep.
+    fn row(&self, step: usize, reverse: bool) -> usize {
+        if reverse { self.costs.rows() - 1 - step } else { step }
+    }
+
+    /// Sums in a row.
+    fn pitch(&self) -> usize {
+        self.costs.columns() * padded(self.costs.count())
+    }
 }
 
 impl Sweep {
-    fn reset(&mut self, columns: usize, count: usize) {
+    /// The memory of a sweep.
+    fn bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
+        // Penalties, rises and costs of a row; the states of a pixel are too few to count.
+        2 * RowStates::bytes(columns, lanes) + 8 * columns + columns * lanes
+    }
+
+    fn reset(&mut self, reverse: bool, columns: usize, count: usize) {
+        self.reverse = reverse;
         self.states.iter_mut().for_each(|s| s.reset(columns, count));
         self.along.reset(count);
         let RowTransitions { p2, rise } = &mut self.transitions;
@@ -103,22 +141,32 @@ impl Sweep {
         }
     }
 
-    fn row<const REVERSE: bool, const ADD: bool>(
+    /// Goes on to row `y`: its sums are added to `sums`, or replace them.
+    fn advance(
         &mut self,
         shared: &Shared<'_, impl CostRows>,
         y: usize,
-        sum: &mut [u16],
+        add: bool,
+        sums: &mut [u16],
     ) {
+        let reverse = self.reverse;
         let before =
-            if REVERSE { (y + 1).min(shared.guide.rows() - 1) } else { y.saturating_sub(1) };
-        self.look_up_penalties(&shared.p2, shared.guide.row(y), shared.guide.row(before), REVERSE);
-        // Paths begin in a sweep's first row.
-        if let Some(prior) = shared.prior.filter(|_| before != y) {
-            prior.rises(y, REVERSE, &mut self.transitions.rise);
+            if reverse { (y + 1).min(shared.guide.rows() - 1) } else { y.saturating_sub(1) };
+        self.look_up_penalties(&shared.p2, shared.guide.row(y), shared.guide.row(before), reverse);
+        match shared.prior {
+            Some(prior) if before != y => prior.rises(y, reverse, &mut self.transitions.rise),
+            // Paths begin in a sweep's first row.
+            _ => self.transitions.rise.iter_mut().for_each(|rise| rise.fill(0)),
         }
         shared.costs.fill_row(y, &mut self.costs);
+        let paths = match (reverse, add) {
+            (false, false) => paths_of_row::<false, false>,
+            (false, true) => paths_of_row::<false, true>,
+            (true, false) => paths_of_row::<true, false>,
+            (true, true) => paths_of_row::<true, true>,
+        };
         let [old, new] = &mut self.states;
-        paths_of_row::<REVERSE, ADD>(
+        paths(
             shared.level,
             &self.costs,
             padded(shared.costs.count()),
@@ -127,68 +175,114 @@ impl Sweep {
             old,
             new,
             &mut self.along,
-            sum,
+            sums,
         );
         self.states.swap(0, 1);
     }
 }
 
+impl Trail {
+    /// Leads `sweep` along `steps`, and holds the sums of the last of them.
+    fn follow(
+        &mut self,
+        sweep: &mut Sweep,
+        shared: &Shared<'_, impl CostRows>,
+        steps: Range<usize>,
+    ) {
+        let Range { mut start, end } = steps;
+        let pitch = shared.pitch();
+        while let Some(spacing) = shared.bands.next(end - start) {
+            self.checkpoints.push(start, &sweep.states[0]);
+            for step in start..start + spacing {
+                // Not wanted yet: the next row replaces them.
+                let sums = &mut self.sums[..pitch];
+                sweep.advance(shared, shared.row(step, sweep.reverse), false, sums);
+            }
+            start += spacing;
+        }
+        self.held = start..end;
+        for (step, sums) in self.held.clone().zip(self.sums.chunks_exact_mut(pitch)) {
+            sweep.advance(shared, shared.row(step, sweep.reverse), false, sums);
+        }
+    }
+
+    /// Leads the sweep `other` over this half, which it enters from the other one, and hands on what
+    /// is finished. Sums that are not held are made by `again`.
+    fn meet(
+        &mut self,
+        other: &mut Sweep,
+        again: &mut Sweep,
+        shared: &Shared<'_, impl CostRows>,
+        mut finish: impl FnMut(usize, &[u16]),
+    ) {
+        loop {
+            let rows = self.held.clone().zip(self.sums.chunks_exact_mut(shared.pitch()));
+            for (step, sums) in rows.rev() {
+                let y = shared.row(step, !other.reverse);
+                other.advance(shared, y, true, sums);
+                finish(y, sums);
+            }
+            let Some(checkpoint) = self.checkpoints.pop(&mut again.states[0]) else { return };
+            self.follow(again, shared, checkpoint..self.held.start);
+        }
+    }
+}
+
 impl SemiGlobal {
-    /// Optimises the costs along eight paths and calls `finish(y, sums, rows[y])` once per row, in
-    /// any order, with `padded(count)` sums per column.
+    /// The most memory that it takes for a volume.
+    pub fn bytes(volume: &Volume, bands: Bands) -> usize {
+        bands.bytes(volume) + 4 * Sweep::bytes(volume)
+    }
+
+    /// The first row of the lower of the two halves that are finished side by side.
+    pub fn middle(rows: usize) -> usize {
+        rows / 2
+    }
+
+    /// Optimises the costs along eight paths. `finish_upper(y, sums)` gets the rows above the middle
+    /// from the last to the first, `finish_lower` those from the middle on, with `padded(count)` sums
+    /// per column.
     ///
-    /// `guide` is the grey image whose steps lower the large penalty; `rows` takes what `finish`
-    /// makes of each row. With a `prior` the paths follow its surfaces.
-    pub fn run<C: CostRows, R: Send>(
+    /// `guide` is the grey image whose steps lower the large penalty. With a `prior` the paths follow
+    /// its surfaces. The sums do not depend on `bands`.
+    pub fn run<F: FnMut(usize, &[u16]) + Send>(
         &mut self,
         level: Level,
-        costs: &C,
-        guide: &Plane<u8>,
+        costs: &impl CostRows,
+        guide: View<'_, u8>,
         prior: Option<&SurfacePrior>,
         penalties: &Penalties,
-        rows: &mut [R],
-        finish: impl Fn(usize, &[u16], &mut R) + Sync,
+        bands: Bands,
+        [finish_upper, finish_lower]: [F; 2],
     ) {
-        let (columns, height, count) = (costs.columns(), costs.rows(), padded(costs.count()));
-        assert_eq!(guide.size(), (columns, height), "the guide has the size of the costs");
-        assert_eq!(rows.len(), height, "one result per row");
-        let pitch = columns * count;
-        self.sums.resize(pitch * height, 0);
-        self.sweeps.iter_mut().for_each(|s| s.reset(columns, count));
+        let (columns, rows, lanes) = (costs.columns(), costs.rows(), padded(costs.count()));
+        assert_eq!(
+            (guide.columns(), guide.rows()),
+            (columns, rows),
+            "the guide has the size of the costs"
+        );
         let (p1, p2) = (penalties.p1, penalties.table());
-        let shared = Shared { level, costs, guide, prior, p1, p2 };
-        let middle = height / 2;
-        let (upper, lower) = self.sums.split_at_mut(pitch * middle);
-        let (upper_rows, lower_rows) = rows.split_at_mut(middle);
-        let [down, up] = &mut self.sweeps;
-
+        let shared = Shared { level, costs, guide, prior, p1, p2, bands };
+        let halves = [Self::middle(rows), rows - Self::middle(rows)];
+        for (i, half) in halves.into_iter().enumerate() {
+            let reverse = i == 1;
+            self.sweeps[i].reset(reverse, columns, lanes);
+            let checkpoints = bands.checkpoints(half);
+            if checkpoints > 0 {
+                self.again[i].reset(reverse, columns, lanes);
+            }
+            self.trails[i].checkpoints.reset(checkpoints, columns, lanes);
+            self.trails[i].sums.resize(shared.pitch() * bands.height().min(half), 0);
+        }
+        let Self { sweeps: [down, up], again: [down_again, up_again], trails: [upper, lower] } =
+            self;
         rayon::join(
-            || {
-                for (y, sum) in upper.chunks_exact_mut(pitch).enumerate() {
-                    down.row::<false, false>(&shared, y, sum);
-                }
-            },
-            || {
-                for (y, sum) in lower.chunks_exact_mut(pitch).enumerate().rev() {
-                    up.row::<true, false>(&shared, middle + y, sum);
-                }
-            },
+            || upper.follow(down, &shared, 0..halves[0]),
+            || lower.follow(up, &shared, 0..halves[1]),
         );
         rayon::join(
-            || {
-                let rows = lower.chunks_exact_mut(pitch).zip(lower_rows).enumerate();
-                for (y, (sum, row)) in rows {
-                    down.row::<false, true>(&shared, middle + y, sum);
-                    finish(middle + y, sum, row);
-                }
-            },
-            || {
-                let rows = upper.chunks_exact_mut(pitch).zip(upper_rows).enumerate().rev();
-                for (y, (sum, row)) in rows {
-                    up.row::<true, true>(&shared, y, sum);
-                    finish(y, sum, row);
-                }
-            },
+            || lower.meet(down, up_again, &shared, finish_lower),
+            || upper.meet(up, down_again, &shared, finish_upper),
         );
     }
 }
@@ -196,6 +290,7 @@ impl SemiGlobal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raster::Plane;
 
     struct Given {
         columns: usize,
@@ -264,42 +359,83 @@ mod tests {
         sums
     }
 
-    #[test]
-    fn two_sweeps_are_eight_paths_at_every_level_and_number_of_threads() {
-        let (columns, rows, count) = (11, 9, 37);
+    /// Random costs and a guide.
+    fn given(columns: usize, rows: usize, count: usize) -> (Given, Plane<u8>) {
         let mut state = 9u64;
         let mut random = |n: u64| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             ((state >> 33) % n) as u8
         };
         let costs = (0..columns * rows * count).map(|_| random(70)).collect();
-        let given = Given { columns, count, costs };
         let guide = Plane::from_fn(columns, rows, |_, _| random(256));
-        let penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 0.7 };
-        let expected = definition(&given, &guide, &penalties);
+        (Given { columns, count, costs }, guide)
+    }
+
+    const PENALTIES: Penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 0.7 };
+
+    /// All sums, row by row.
+    fn run(
+        memory: &mut SemiGlobal,
+        level: Level,
+        (given, guide): &(Given, Plane<u8>),
+        prior: Option<&SurfacePrior>,
+        bands: Bands,
+    ) -> Vec<Vec<u16>> {
+        let mut found = vec![Vec::new(); given.rows()];
+        let middle = SemiGlobal::middle(given.rows());
+        let (upper, lower) = found.split_at_mut(middle);
+        let finish = [(upper, 0), (lower, middle)]
+            .map(|(rows, first)| move |y: usize, sums: &[u16]| rows[y - first] = sums.to_vec());
+        memory.run(level, given, guide.view(), prior, &PENALTIES, bands, finish);
+        found
+    }
+
+    #[test]
+    fn two_sweeps_are_eight_paths_at_every_level_and_number_of_threads() {
+        let (columns, rows, count) = (11, 9, 37);
+        let input = given(columns, rows, count);
+        let expected = definition(&input.0, &input.1, &PENALTIES);
         let stride = padded(count);
         for level in Level::available() {
             for threads in [1, 2, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let mut found = vec![Vec::new(); rows];
-                let mut memory = SemiGlobal::default();
-                pool.install(|| {
-                    memory.run(
-                        level,
-                        &given,
-                        &guide,
-                        None,
-                        &penalties,
-                        &mut found,
-                        |_, sums, row| {
-                            *row = sums.to_vec();
-                        },
-                    );
-                });
+                let whole = Bands::new(rows, rows);
+                let found =
+                    pool.install(|| run(&mut SemiGlobal::default(), level, &input, None, whole));
                 for (y, row) in found.iter().enumerate() {
                     for x in 0..columns {
                         let expected = &expected[(y * columns + x) * count..][..count];
                         assert_eq!(&row[x * stride..][..count], expected, "{level:?} at {x} {y}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bands_of_every_height_give_the_sums_of_the_whole_volume() {
+        // A tall one, and one with a row in only one half.
+        for (columns, rows) in [(7, 41), (4, 1)] {
+            let input = given(columns, rows, 33);
+            let slanted =
+                Plane::from_fn(columns, rows, |x, y| (7 + y) as f32 / 3.0 + 0.2 * x as f32);
+            let mut prior = SurfacePrior::default();
+            prior.fit(Level::detect(), &slanted, &slanted);
+            for level in Level::available() {
+                for prior in [None, Some(&prior)] {
+                    let whole = Bands::new(rows, rows);
+                    // What a frame leaves behind does not show in the next.
+                    let mut memory = SemiGlobal::default();
+                    let expected = run(&mut memory, level, &input, prior, whole);
+                    for stretch in 1..=rows.div_ceil(2) {
+                        for height in [1, 2, 3, 5, 8].into_iter().filter(|&h| h <= stretch) {
+                            let bands = Bands::new(stretch, height);
+                            let pool = rayon::ThreadPoolBuilder::new().num_threads(1 + height % 3);
+                            let pool = pool.build().unwrap();
+                            let found =
+                                pool.install(|| run(&mut memory, level, &input, prior, bands));
+                            assert!(found == expected, "{level:?}, {bands:?}, {rows} rows");
+                        }
                     }
                 }
             }

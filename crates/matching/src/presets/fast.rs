@@ -3,6 +3,7 @@
 use raster::{DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
+use super::memory;
 use crate::MatchError;
 use crate::aggregation::window::SlidingWindow;
 use crate::cost::SearchSpace;
@@ -10,7 +11,7 @@ use crate::kernels::level::Level;
 use crate::kernels::median::{median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
-use crate::refinement::groups::{Groups, LARGEST};
+use crate::refinement::groups::Groups;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
 use crate::selection::fixed_point::{FixedPoint, HOLE, row_in_pixels};
@@ -59,10 +60,6 @@ impl Fast {
         map: &mut DisparityMap,
     ) -> Result<(), MatchError> {
         let (columns, rows) = (frame.bounds.columns(), frame.bounds.rows());
-        if columns * rows > LARGEST {
-            let [needed, limit] = [columns * rows, LARGEST].map(|n| 4 * n as u64);
-            return Err(MatchError::Memory { needed, limit });
-        }
         let space = SearchSpace::new(frame.size().0, frame.bounds, frame.range);
         let numbers = FixedPoint::new(&space);
         self.disparities.reset(columns, rows, HOLE);
@@ -206,6 +203,18 @@ impl Fast {
 }
 
 impl Pipeline for Fast {
+    fn least_memory(&self, frame: &Frame<'_>) -> usize {
+        let (bounds, (width, height)) = (frame.bounds, frame.size());
+        let (columns, rows) = (bounds.columns(), bounds.rows());
+        let grey = memory::grey(frame.left) + memory::grey(frame.right);
+        let space = SearchSpace::new(width, bounds, frame.range);
+        (memory::ANSWER + grey) * width * height
+            + size_of::<u16>() * columns * rows
+            + Groups::bytes(columns, rows)
+            + rayon::current_num_threads() * SlidingWindow::bytes(&space)
+            + memory::rows(width)
+    }
+
     fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError> {
         let height = frame.bounds.rows().div_ceil(rayon::current_num_threads());
         self.run_in_bands(frame, height, map)

@@ -1,6 +1,7 @@
 //! The presets: which stages, in which order, with which parameters.
 
 mod fast;
+mod memory;
 mod semi_global;
 
 use crate::ingredient::Ingredients;
@@ -15,7 +16,7 @@ pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchErro
         Preset::Fast => Ok(Box::new(fast::Fast::new(Level::chosen()?))),
         preset @ (Preset::Balanced | Preset::Best) => {
             let ingredients = Ingredients::of(preset, &options.without);
-            Ok(Box::new(SemiGlobalMatching::new(ingredients, Level::chosen()?)))
+            Ok(Box::new(SemiGlobalMatching::new(ingredients, Level::chosen()?, options.memory)))
         }
     }
 }

@@ -9,6 +9,7 @@
 use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
+use super::memory::Needs;
 use crate::MatchError;
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
@@ -17,6 +18,7 @@ use crate::kernels::level::Level;
 use crate::kernels::median::{median_of_5_rows, rows_around};
 use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
+use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::{Looks, Pair, SupportWeights};
 use crate::optimization::surface_prior::SurfacePrior;
@@ -24,9 +26,10 @@ use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
+use crate::selection::both_views::Selection;
 use crate::selection::cross_check::{ViewMap, cross_check, disagreements};
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
-use crate::selection::winner::{Winners, fraction, right_fraction};
+use crate::selection::winner::Winners;
 
 /// What changes of disparity cost.
 const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
@@ -36,16 +39,17 @@ const LEAST_GROUP: usize = 60;
 const GROUP_STEP: f32 = 1.0;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;
-/// A winner whose sum is so much below that of any other disparity has confidence 1/2.
-const HALF_SURE: f32 = 60.0;
 /// The confidence of a pixel that both cameras see, but that got its disparity from its neighbours.
 const MISMATCHED: f32 = 0.05;
 
-/// What every stage after the paths needs to know.
+/// What every stage needs to know.
 #[derive(Clone, Copy)]
 struct Search {
     ingredients: Ingredients,
     level: Level,
+    /// The part of the left image that is matched.
+    work: BoundingBox,
+    bands: Bands,
     /// Columns of both images.
     width: usize,
     /// Disparities that are tried anywhere.
@@ -72,69 +76,38 @@ pub(crate) struct SemiGlobalMatching {
     level: Level,
     buffers: [GreyBuffer; 2],
     grey: [Plane<u8>; 2],
-    guide: Plane<u8>,
     features: FeaturePair,
     optimizer: SemiGlobal,
     prior: SurfacePrior,
-    rows: Vec<Row>,
+    /// Of each half of the rows.
+    winners: [Winners; 2],
     /// The left view, and the right one as it looks in a mirror.
     left: View,
     right: View,
     /// The looks of the other image, for each view.
     others: [Looks; 2],
-    confidence: Plane<f32>,
-}
-
-/// What the selection says of one row.
-#[derive(Default)]
-struct Row {
-    winners: Winners,
-    left: Vec<f32>,
-    right: Vec<f32>,
-    confidence: Vec<f32>,
-}
-
-impl Row {
-    /// Disparities of both views; those of the right one in mirror order.
-    fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16], sub_pixel: bool) {
-        self.winners.select(level, space, sums);
-        let disparity = |k: usize, part: f32| {
-            (space.min + k as i32) as f32 + if sub_pixel { part } else { 0.0 }
-        };
-        self.left.clear();
-        self.confidence.clear();
-        for (x, &(winner, margin)) in self.winners.left.iter().enumerate() {
-            let sums = &sums[x * space.lanes..][..space.lanes];
-            let value = winner.disparity().map_or(f32::NAN, |k| {
-                disparity(k, fraction(sums, k, space.candidates(space.first + x)))
-            });
-            self.left.push(value);
-            self.confidence.push(f32::from(margin) / (f32::from(margin) + HALF_SURE));
-        }
-        self.right.clear();
-        let right = self.winners.right(space).zip((0..space.width).rev());
-        self.right.extend(right.map(|(winner, x)| {
-            winner.disparity().map_or(f32::NAN, |k| disparity(k, right_fraction(space, sums, x, k)))
-        }));
-    }
+    /// Rows of medians, one for each thread.
+    medians: Vec<Vec<u16>>,
+    /// The bytes that it may take, with the answer.
+    memory: Option<usize>,
 }
 
 impl SemiGlobalMatching {
-    pub fn new(ingredients: Ingredients, level: Level) -> Self {
+    pub fn new(ingredients: Ingredients, level: Level, memory: Option<usize>) -> Self {
         Self {
             ingredients,
             level,
+            memory,
             buffers: Default::default(),
             grey: Default::default(),
-            guide: Plane::default(),
             features: FeaturePair::default(),
             optimizer: SemiGlobal::default(),
             prior: SurfacePrior::default(),
-            rows: Vec::new(),
+            winners: Default::default(),
             left: View::default(),
             right: View::default(),
             others: Default::default(),
-            confidence: Plane::default(),
+            medians: Vec::new(),
         }
     }
 }
@@ -169,28 +142,6 @@ fn in_steps(level: Level, numbers: FixedPoint, values: &Plane<f32>, steps: &mut 
     rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
 }
 
-/// The median of 5 x 5 pixels, in fixed point: `steps` is scratch.
-fn median(
-    level: Level,
-    numbers: FixedPoint,
-    values: &Plane<f32>,
-    steps: &mut Plane<u16>,
-    out: &mut Plane<f32>,
-) {
-    let (columns, rows) = values.size();
-    in_steps(level, numbers, values, steps);
-    out.reset(columns, rows, 0.0);
-    let steps = &*steps;
-    let rows_out = out.samples_mut().par_chunks_mut(columns).enumerate();
-    rows_out.for_each_init(
-        || vec![0; columns],
-        |medians, (y, out)| {
-            median_of_5_rows(level, rows_around(steps, y), medians);
-            row_in_pixels(level, numbers, medians, out);
-        },
-    );
-}
-
 /// The part of the image that is matched to answer a box.
 fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> BoundingBox {
     BoundingBox {
@@ -201,11 +152,17 @@ fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> Boundin
     }
 }
 
+/// What is searched there, in whole groups of disparities.
+fn search_space(frame: &Frame<'_>, work: BoundingBox) -> SearchSpace {
+    let mut space = SearchSpace::new(frame.size().0, work, frame.range);
+    space.lanes = padded(space.count);
+    space
+}
+
 impl View {
     fn begin(&mut self, first: usize, columns: usize, rows: usize) {
         self.map.first = first;
         self.map.values.reset(columns, rows, f32::NAN);
-        self.map.reasons.reset(columns, rows, Reason::OccludedHole);
     }
 
     /// Takes out what the other view does not confirm, and small groups.
@@ -238,6 +195,7 @@ impl View {
     /// Takes every disparity for a match.
     fn accept(&mut self) {
         let ViewMap { values, reasons, .. } = &mut self.map;
+        reasons.reset(values.columns(), values.rows(), Reason::OccludedHole);
         for (value, reason) in values.samples().iter().zip(reasons.samples_mut()) {
             *reason = if value.is_nan() { Reason::OccludedHole } else { Reason::Matched };
         }
@@ -261,42 +219,61 @@ impl View {
 
 impl SemiGlobalMatching {
     /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
-    /// the image.
-    fn optimize(&mut self, space: &SearchSpace, follow: bool) {
-        let level = self.level;
-        let penalties = match self.ingredients.has(Ingredient::AdaptiveP2) {
+    /// the image. `confidence` takes how sure they are, in rows of the image.
+    fn optimize(
+        &mut self,
+        space: &SearchSpace,
+        search: Search,
+        confidence: &mut [f32],
+        follow: bool,
+    ) {
+        let Search { ingredients, level, work, bands, width, .. } = search;
+        let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
             true => PENALTIES,
             false => Penalties { fall: 0.0, ..PENALTIES },
         };
-        let sub_pixel = self.ingredients.has(Ingredient::SubPixel);
+        let sub_pixel = ingredients.has(Ingredient::SubPixel);
+        let grey = &self.grey[0].samples()[work.y0 * width + work.x0..];
+        let guide = raster::View::new(work.columns(), work.rows(), width, grey)
+            .expect("the part lies in the image");
+        let middle = SemiGlobal::middle(work.rows());
+        let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
+        let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
+        let confidence = confidence.split_at_mut(middle * space.width);
+        let [upper, lower] = &mut self.winners;
+        let halves = [
+            (0, left.0, right.0, confidence.0, upper),
+            (middle, left.1, right.1, confidence.1, lower),
+        ];
+        let finish = halves.map(|(first, left, right, confidence, winners)| {
+            let mut rows =
+                Selection { level, space, sub_pixel, first, left, right, confidence, winners };
+            move |y: usize, sums: &[u16]| rows.row(y, sums)
+        });
         self.optimizer.run(
             level,
             &self.features.costs(level, space),
-            &self.guide,
+            guide,
             follow.then_some(&self.prior),
             &penalties,
-            &mut self.rows,
-            |_, sums, row| row.select(level, space, sums, sub_pixel),
+            bands,
+            finish,
         );
-        for (y, row) in self.rows.iter().enumerate() {
-            self.left.map.values.row_mut(y).copy_from_slice(&row.left);
-            self.right.map.values.row_mut(y).copy_from_slice(&row.right);
-            self.confidence.row_mut(y).copy_from_slice(&row.confidence);
-        }
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
-    fn follow_surfaces(&mut self, space: &SearchSpace, search: Search) {
+    fn follow_surfaces(&mut self, space: &SearchSpace, search: Search, confidence: &mut [f32]) {
         self.left.check(search, &self.right.map.values, self.right.map.first);
         let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
         fill(ingredients, level, width, range, map, filled);
         self.prior.fit(level, &map.values, filled);
-        self.optimize(space, true);
+        self.optimize(space, search, confidence, true);
     }
 
     /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, search: Search, work: BoundingBox) {
+    fn sharpen(&mut self, search: Search) {
+        let work = search.work;
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
@@ -318,16 +295,59 @@ impl SemiGlobalMatching {
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
-    fn trust_agreement(&mut self, width: usize) {
+    fn trust_agreement(&self, width: usize, confidence: &mut [f32]) {
         let (left, right) = (&self.left.map, &self.right.map);
-        disagreements(width, left, &right.values, right.first, &mut self.confidence);
-        for confidence in self.confidence.samples_mut() {
+        disagreements(width, left, &right.values, right.first, confidence);
+        for confidence in confidence {
             *confidence = if confidence.is_nan() { 0.0 } else { 1.0 / (1.0 + *confidence) };
+        }
+    }
+
+    /// The median of 5 x 5 pixels of the left view, which is there in fixed point, for a box of the
+    /// image.
+    fn smooth(&mut self, search: Search, bounds: BoundingBox, values: &mut Plane<f32>) {
+        let Search { ingredients, level, work, numbers, .. } = search;
+        let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
+        let width = values.columns();
+        let height = bounds.rows().div_ceil(rayon::current_num_threads());
+        self.medians.resize_with(bounds.rows().div_ceil(height), Vec::new);
+        let steps = &self.left.steps;
+        let rows = &mut values.samples_mut()[bounds.y0 * width..(bounds.y1 + 1) * width];
+        let bands = self.medians.par_iter_mut().zip(rows.par_chunks_mut(height * width));
+        bands.enumerate().for_each(|(i, (medians, rows))| {
+            medians.resize(work.columns(), 0);
+            for (y, row) in (dy + i * height..).zip(rows.chunks_exact_mut(width)) {
+                if ingredients.has(Ingredient::Median) {
+                    median_of_5_rows(level, rows_around(steps, y), medians);
+                } else {
+                    medians.copy_from_slice(steps.row(y));
+                }
+                let row = &mut row[bounds.x0..=bounds.x1];
+                row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
+            }
+        });
+    }
+}
+
+/// Leaves a plane's box as it is, and fills the rest.
+fn fill_around(plane: &mut Plane<f32>, bounds: BoundingBox, value: f32) {
+    for y in 0..plane.rows() {
+        let row = plane.row_mut(y);
+        if (bounds.y0..=bounds.y1).contains(&y) {
+            row[..bounds.x0].fill(value);
+            row[bounds.x1 + 1..].fill(value);
+        } else {
+            row.fill(value);
         }
     }
 }
 
 impl Pipeline for SemiGlobalMatching {
+    fn least_memory(&self, frame: &Frame<'_>) -> usize {
+        let work = surroundings(frame.bounds, frame.size());
+        Needs::new(frame, work, &search_space(frame, work), self.ingredients).least()
+    }
+
     fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError> {
         let bounds = frame.bounds;
         let (width, height) = frame.size();
@@ -338,22 +358,26 @@ impl Pipeline for SemiGlobalMatching {
         for (view, grey) in views.into_iter().zip(&mut self.grey) {
             copy_upper_bits(view, grey);
         }
-        self.guide.reset(columns, rows, 0);
-        for y in 0..rows {
-            let from = &self.grey[0].row(work.y0 + y)[work.x0..=work.x1];
-            self.guide.row_mut(y).copy_from_slice(from);
-        }
 
-        let mut space = SearchSpace::new(width, work, frame.range);
-        space.lanes = padded(space.count);
+        let space = search_space(frame, work);
+        let bands = Needs::new(frame, work, &space, self.ingredients).bands(self.memory);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
-        let (ingredients, level, numbers) = (self.ingredients, self.level, FixedPoint::new(&space));
-        let search = Search { ingredients, level, width, range, numbers };
+        let (ingredients, level) = (self.ingredients, self.level);
+        let search = Search {
+            ingredients,
+            level,
+            work,
+            bands,
+            width,
+            range,
+            numbers: FixedPoint::new(&space),
+        };
+        // The answer's disparities come last: until then the right view has their memory.
+        self.right.map.values = std::mem::take(&mut map.values);
         self.left.begin(work.x0, columns, rows);
         self.right.begin(0, width, rows);
-        self.confidence.reset(columns, rows, 0.0);
         if space.count > 0 {
             // Flat grey has no gradient.
             let flat = match ingredients.has(Ingredient::Gradient) {
@@ -362,40 +386,44 @@ impl Pipeline for SemiGlobalMatching {
             };
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
             self.features.compute(level, seen, &space, (work.y0, rows));
-            self.rows.resize_with(rows, Row::default);
-            self.optimize(&space, false);
+            let confidence = &mut map.confidence.samples_mut()[work.y0 * width..];
+            self.optimize(&space, search, confidence, false);
             if ingredients.has(Ingredient::SurfacePrior) {
-                self.follow_surfaces(&space, search);
+                self.follow_surfaces(&space, search, confidence);
                 if ingredients.has(Ingredient::LastSurfaceRun) {
-                    self.follow_surfaces(&space, search);
+                    self.follow_surfaces(&space, search, confidence);
                 }
             }
             if ingredients.has(Ingredient::SupportWeights) {
-                self.sharpen(search, work);
+                self.sharpen(search);
             }
             if !ingredients.has(Ingredient::PathMargin) {
-                self.trust_agreement(width);
+                self.trust_agreement(width, confidence);
             }
             self.left.check(search, &self.right.map.values, self.right.map.first);
-        }
-        let View { map: left, filled, smooth, steps, .. } = &mut self.left;
-        fill(ingredients, level, width, range, left, filled);
-        if space.count > 0 && ingredients.has(Ingredient::Median) {
-            median(level, numbers, filled, steps, smooth);
         } else {
-            smooth.clone_from(filled);
+            self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
         }
+        let filled = &mut self.right.map.values;
+        fill(ingredients, level, width, range, &mut self.left.map, filled);
+        in_steps(level, search.numbers, filled, &mut self.left.steps);
+        // Without a search there is one value everywhere.
+        let nowhere = filled.row(0)[0];
+        map.values = std::mem::take(filled);
+        map.values.reset(width, height, nowhere);
+        if space.count > 0 {
+            self.smooth(search, bounds, &mut map.values);
+        }
+        fill_around(&mut map.values, bounds, f32::NAN);
+        fill_around(&mut map.confidence, bounds, 0.0);
 
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
         for y in 0..bounds.rows() {
             let from = dx..dx + bounds.columns();
             let to = bounds.x0..=bounds.x1;
-            let values = &mut map.values.row_mut(bounds.y0 + y)[to.clone()];
-            values.copy_from_slice(&self.left.smooth.row(dy + y)[from.clone()]);
             let reasons = &mut map.reasons.row_mut(bounds.y0 + y)[to.clone()];
-            reasons.copy_from_slice(&self.left.map.reasons.row(dy + y)[from.clone()]);
+            reasons.copy_from_slice(&self.left.map.reasons.row(dy + y)[from]);
             let confidence = &mut map.confidence.row_mut(bounds.y0 + y)[to];
-            confidence.copy_from_slice(&self.confidence.row(dy + y)[from]);
             for (reason, confidence) in reasons.iter().zip(confidence) {
                 match reason {
                     Reason::Matched => {}

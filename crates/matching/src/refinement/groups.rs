@@ -49,6 +49,11 @@ struct Rows<'a> {
 }
 
 impl Groups {
+    /// The memory for a map of this size.
+    pub fn bytes(columns: usize, rows: usize) -> usize {
+        rows * (2 * size_of::<u64>() * columns.div_ceil(WORD) + size_of::<u32>() * columns)
+    }
+
     /// Groups the pixels of a map of `columns` columns, in bands of `height` rows.
     pub fn find(
         &mut self,

@@ -32,35 +32,29 @@ pub(crate) fn cross_check(
     other: &Plane<f32>,
     other_first: usize,
 ) {
-    let columns = view.values.columns();
+    let (columns, rows) = view.values.size();
+    view.reasons.reset(columns, rows, Reason::OccludedHole);
     let first = view.first as f32;
     // A column of one view, seen from the other, which stands in the mirror.
     let mirrored = (width - 1) as f32;
     let rows = view.values.samples_mut().par_chunks_mut(columns);
-    rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate().for_each_init(
-        Vec::new,
-        |pointed_at, (y, (values, reasons))| {
+    rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate().for_each(
+        |(y, (values, reasons))| {
             let other = other.row(y);
-            pointed_at.clear();
-            pointed_at.resize(columns + 2, false);
             for (u, &d) in other.iter().enumerate() {
                 // The column that this one points at, and one to each side.
                 let target = mirrored - ((u + other_first) as f32 - d) - first;
                 if target >= 0.0 && target <= (columns - 1) as f32 {
-                    pointed_at[target.round() as usize + 1] = true;
+                    let target = target.round() as usize;
+                    let near = target.saturating_sub(1)..=(target + 1).min(columns - 1);
+                    reasons[near].fill(Reason::MismatchedHole);
                 }
             }
             for (x, (value, reason)) in values.iter_mut().zip(reasons).enumerate() {
                 let column = first + x as f32;
-                *reason = if disagreement(mirrored, column, *value, other, other_first) <= TOLERANCE
-                {
-                    Reason::Matched
-                } else if pointed_at[x..x + 3].contains(&true) {
-                    Reason::MismatchedHole
+                if disagreement(mirrored, column, *value, other, other_first) <= TOLERANCE {
+                    *reason = Reason::Matched;
                 } else {
-                    Reason::OccludedHole
-                };
-                if *reason != Reason::Matched {
                     *value = f32::NAN;
                 }
             }
@@ -68,20 +62,20 @@ pub(crate) fn cross_check(
     );
 }
 
-/// By how much the two views differ in every pixel of `view`; NaN where either has no disparity.
+/// By how much the two views differ in every pixel of `view`; NaN where either has no disparity. `out`
+/// has rows of the image, from the first row of `view` on.
 pub(crate) fn disagreements(
     width: usize,
     view: &ViewMap,
     other: &Plane<f32>,
     other_first: usize,
-    out: &mut Plane<f32>,
+    out: &mut [f32],
 ) {
-    let (columns, rows) = view.values.size();
-    out.reset(columns, rows, f32::NAN);
     let mirrored = (width - 1) as f32;
-    out.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, out)| {
+    let rows = out.par_chunks_mut(width).take(view.values.rows());
+    rows.enumerate().for_each(|(y, out)| {
         let columns = (view.first..).map(|column| column as f32);
-        for ((column, &value), out) in columns.zip(view.values.row(y)).zip(out) {
+        for ((column, &value), out) in columns.zip(view.values.row(y)).zip(&mut out[view.first..]) {
             *out = disagreement(mirrored, column, value, other.row(y), other_first);
         }
     });

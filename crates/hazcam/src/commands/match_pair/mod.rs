@@ -92,6 +92,13 @@ pub struct Args {
     #[arg(long, value_name = "N", env = "HAZCAM_THREADS", help_heading = "Matching")]
     #[arg(value_parser = arguments::threads, hide_env_values = true)]
     threads: Option<usize>,
+
+    /// Memory to take at most for matching, such as 400MB or 1.5GiB: with less, balanced and best
+    /// take more time, up to twice as much; the answer does not depend on it [default: what is
+    /// needed, of which at most 256MB for the sums of semi-global matching]
+    #[arg(long, value_name = "SIZE", help_heading = "Matching")]
+    #[arg(value_parser = arguments::memory)]
+    memory: Option<usize>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -185,6 +192,7 @@ fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<Strin
     if let Some(threads) = args.threads {
         options.threads = threads;
     }
+    options.memory = args.memory;
     options.holes = match args.holes {
         HolesArgument::Fill => Holes::Fill,
         HolesArgument::Keep => Holes::Keep,

@@ -48,6 +48,8 @@ struct OptionsRecord {
     bounds: String,
     holes: &'static str,
     threads: usize,
+    /// In bytes; none without a limit.
+    memory: Option<usize>,
 }
 
 impl Sidecar {
@@ -78,6 +80,7 @@ impl Sidecar {
                     Holes::Keep => "keep",
                 },
                 threads: options.threads,
+                memory: options.memory,
             },
             cpu_level: Level::chosen()?.name(),
             time,

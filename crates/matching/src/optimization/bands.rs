@@ -1,0 +1,160 @@
+//! How semi-global matching keeps its memory bounded: sums in bands of rows.
+//!
+//! Two sweeps meet in the middle, so each half of the image is crossed twice: first by the sweep that
+//! begins there, then, from the middle back to its border, by the other. What the first found has to
+//! be there when the second comes. Either all of its sums are kept; or they are made again, for one
+//! band of rows after the other, from *checkpoints*: the states of the paths at a row, which are far
+//! less than the sums of all rows up to the next checkpoint. The arithmetic is the same, so are the
+//! bits.
+//!
+//! With `n` rows in a half, a checkpoint every `b` rows and the sums of one band of `b` rows take
+//! memory for `n / b + b` rows instead of `n`, and the first sweep is done once more. With a second
+//! spacing (a checkpoint every `s` rows; inside of such a stretch, while it is crossed, every `b`
+//! rows) it is `n / s + s / b + b` rows, and the sweep is done twice more. A whole volume is one
+//! stretch with one band (checkpointing in levels, as Griewank's *treeverse*, 1992).
+
+use crate::kernels::path::RowStates;
+
+/// Rows between two checkpoints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Bands {
+    /// In a half: the length of a stretch, and of a band, of which the sums are kept.
+    spacings: [usize; 2],
+}
+
+/// The size of a volume of costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Volume {
+    pub columns: usize,
+    pub rows: usize,
+    /// Disparities, in whole groups.
+    pub lanes: usize,
+}
+
+impl Volume {
+    /// Rows of the larger half.
+    fn half(&self) -> usize {
+        self.rows.div_ceil(2)
+    }
+}
+
+impl Bands {
+    /// Every `stretch` and every `height` rows.
+    pub fn new(stretch: usize, height: usize) -> Self {
+        Self { spacings: [stretch, height] }
+    }
+
+    /// The plan with the fewest sweeps that fits; the one with the least memory if none does.
+    pub fn within(volume: &Volume, fits: impl Fn(Self) -> bool) -> Self {
+        let half = volume.half();
+        let least = |plans: &mut dyn Iterator<Item = Self>| {
+            plans.min_by_key(|plan| plan.bytes(volume)).expect("there are several")
+        };
+        let plans = [
+            Self::new(half, half),
+            least(&mut (1..=half).map(|height| Self::new(half, height))),
+            // At this stretch n / s + s / b is least.
+            least(
+                &mut (1..=half)
+                    .map(|height| Self::new((half * height).isqrt().max(height), height)),
+            ),
+        ];
+        let first = plans.into_iter().find(|&plan| fits(plan));
+        first.unwrap_or_else(|| least(&mut plans.into_iter()))
+    }
+
+    /// The plan with the least memory.
+    pub fn least(volume: &Volume) -> Self {
+        Self::within(volume, |_| false)
+    }
+
+    /// Rows of a band.
+    pub fn height(&self) -> usize {
+        self.spacings[1]
+    }
+
+    /// How far to go to the next checkpoint with `left` rows ahead; none when their sums are to be
+    /// kept.
+    pub fn next(&self, left: usize) -> Option<usize> {
+        self.spacings.into_iter().find(|&spacing| left > spacing)
+    }
+
+    /// Checkpoints that are kept at the same time in a half of `rows` rows.
+    pub fn checkpoints(&self, rows: usize) -> usize {
+        let [stretch, height] = self.spacings;
+        let between = |rows: usize, spacing: usize| rows.div_ceil(spacing).saturating_sub(1);
+        between(rows, stretch) + between(rows.min(stretch), height)
+    }
+
+    /// The memory of sums and checkpoints, in both halves.
+    pub fn bytes(&self, volume: &Volume) -> usize {
+        let &Volume { columns, rows, lanes } = volume;
+        let half = |rows: usize| {
+            let sums = self.height().min(rows) * columns * lanes * size_of::<u16>();
+            sums + self.checkpoints(rows) * RowStates::saved_bytes(columns, lanes)
+        };
+        half(rows / 2) + half(volume.half())
+    }
+}
+
+/// The states of a sweep at some of its steps: the last saved is the first to be taken up again.
+#[derive(Default)]
+pub(crate) struct Checkpoints {
+    steps: Vec<usize>,
+    states: Vec<u8>,
+}
+
+impl Checkpoints {
+    /// Forgets all, and makes room for as many as there will be.
+    pub fn reset(&mut self, count: usize, columns: usize, lanes: usize) {
+        self.steps.clear();
+        self.steps.reserve_exact(count);
+        self.states.clear();
+        self.states.reserve_exact(count * RowStates::saved_bytes(columns, lanes));
+    }
+
+    /// Saves the states before `step`.
+    pub fn push(&mut self, step: usize, states: &RowStates) {
+        self.steps.push(step);
+        states.save(&mut self.states);
+    }
+
+    /// Takes the last states back, and says before which step they were.
+    pub fn pop(&mut self, states: &mut RowStates) -> Option<usize> {
+        let step = self.steps.pop()?;
+        let start = self.states.len() / (self.steps.len() + 1) * self.steps.len();
+        states.restore(&self.states[start..]);
+        self.states.truncate(start);
+        Some(step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn less_memory_costs_more_sweeps_and_grows_slower_than_the_rows() {
+        let volume = |rows| Volume { columns: 3000, rows, lanes: 256 };
+        let of =
+            |limit, rows| Bands::within(&volume(rows), |bands| bands.bytes(&volume(rows)) <= limit);
+        let megabytes = |bands: Bands, rows| bands.bytes(&volume(rows)) / 1_000_000;
+        let whole = of(usize::MAX, 2000);
+        assert_eq!((whole, megabytes(whole, 2000)), (Bands::new(1000, 1000), 3072));
+        let one_level = of(300_000_000, 2000);
+        assert_eq!((one_level.spacings[0], megabytes(one_level, 2000)), (1000, 233));
+        let two_levels = of(200_000_000, 2000);
+        assert_eq!((two_levels, megabytes(two_levels, 2000)), (Bands::new(126, 16), 113));
+        assert_eq!(Bands::least(&volume(2000)), two_levels);
+        // Eight times the rows, twice the memory.
+        assert_eq!(megabytes(Bands::least(&volume(16_000)), 16_000), 234);
+    }
+
+    #[test]
+    fn a_volume_of_one_row_has_nothing_to_split() {
+        for rows in 1..4 {
+            let bands = Bands::least(&Volume { columns: 5, rows, lanes: 32 });
+            assert_eq!(bands.checkpoints(1), 0, "{rows}: {bands:?}");
+        }
+    }
+}

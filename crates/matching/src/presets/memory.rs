@@ -1,0 +1,104 @@
+//! How much memory the stages take for a frame, told before any of it is taken.
+//!
+//! Every stage keeps its memory until the next frame, so what a frame takes is a sum over all of
+//! them: planes that are counted here in bytes per pixel, and the semi-global sums, for which there
+//! is a choice ([`Bands`]).
+
+use raster::{BoundingBox, Image};
+
+use crate::cost::SearchSpace;
+use crate::ingredient::{Ingredient, Ingredients};
+use crate::matcher::Frame;
+use crate::optimization::bands::{Bands, Volume};
+use crate::optimization::semi_global::SemiGlobal;
+use crate::refinement::groups::Groups;
+
+/// What semi-global matching takes at most without being told how much it may. Bands cost time: half
+/// as much again, or twice as much ([`crate::optimization::bands`]). Sums of this size do not fit
+/// any cache either, so the images of today's benchmarks are done without bands, and only those of
+/// several megapixels with them.
+const UNASKED: usize = 256_000_000;
+
+/// Room for what is done row by row: bytes per column and thread, and in all.
+const ROW: usize = 64;
+const ODDS_AND_ENDS: usize = 64 << 10;
+
+/// A disparity map: value, reason, confidence.
+pub(super) const ANSWER: usize = 4 + 1 + 4;
+
+/// Bytes per pixel that the grey of a colour image takes.
+pub(super) fn grey(image: &Image) -> usize {
+    match image {
+        Image::Grey8(_) | Image::Grey16(_) => 0,
+        Image::Rgb8(_) => 1,
+        Image::Rgb16(_) => 2,
+    }
+}
+
+/// What the rows of images of `width` columns take while they are worked on.
+pub(super) fn rows(width: usize) -> usize {
+    ROW * width * rayon::current_num_threads() + ODDS_AND_ENDS
+}
+
+/// What a frame takes with `balanced` and `best`.
+pub(super) struct Needs {
+    /// All but the semi-global sums.
+    rest: usize,
+    volume: Volume,
+}
+
+impl Needs {
+    /// To match the part `work` of the images over a search space.
+    pub fn new(
+        frame: &Frame<'_>,
+        work: BoundingBox,
+        space: &SearchSpace,
+        ingredients: Ingredients,
+    ) -> Self {
+        let (width, height) = frame.size();
+        let (columns, lines) = (work.columns(), work.rows());
+        // Pixels of the images, of their rows that are matched, and of the left one's part.
+        let (all, wide, part) = (width * height, width * lines, columns * lines);
+        // The upper bits of both images.
+        let images = 2 * all;
+        let grey = (grey(frame.left) + grey(frame.right)) * all;
+        // Census words and steps of both, the right ones between margins.
+        let features = (4 + 1) * (part + wide + 2 * space.lanes * lines);
+        // Disparities and reasons of the left view, its fixed point and groups. The right view has
+        // the memory of the answer.
+        let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
+        let prior = match ingredients.has(Ingredient::SurfacePrior) {
+            false => 0,
+            // The map with its holes filled, and a surface per pixel and cell.
+            true => 4 * part + 12 * (part + columns.div_ceil(4) * lines.div_ceil(4)),
+        };
+        let support_weights = match ingredients.has(Ingredient::SupportWeights) {
+            false => 0,
+            // Per view two maps, its looks and those of the other, and a surface per pixel; the
+            // right one's reasons, fixed point and groups.
+            true => {
+                let views = (4 + 4 + 12) * (part + wide) + 4 * 3 * wide;
+                views + (1 + 2) * wide + Groups::bytes(width, lines)
+            }
+        };
+        let stages = images + grey + features + left + prior + support_weights;
+        let volume = Volume { columns, rows: lines, lanes: space.lanes };
+        Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
+    }
+
+    /// The least that it takes.
+    pub fn least(&self) -> usize {
+        self.with(Bands::least(&self.volume))
+    }
+
+    /// What it takes with these bands.
+    fn with(&self, bands: Bands) -> usize {
+        self.rest + SemiGlobal::bytes(&self.volume, bands)
+    }
+
+    /// The bands for a limit to all of it.
+    pub fn bands(&self, limit: Option<usize>) -> Bands {
+        let limit = limit.unwrap_or(self.rest + UNASKED);
+        Bands::within(&self.volume, |bands| self.with(bands) <= limit)
+    }
+}

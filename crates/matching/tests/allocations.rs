@@ -1,0 +1,61 @@
+//! A matcher that has seen one frame allocates nothing for the next of that size.
+
+use matching::{Matcher, Options, Preset};
+use peak_alloc::PeakAlloc;
+use raster::{DisparityRange, Image, Plane};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// The thread pool hands work over through a queue that takes a new block of about 1.5 kB every 63
+/// times and gives the old one back: that is its affair, and far less than any row of a frame.
+const QUEUE: usize = 4096;
+
+/// Columns and rows.
+const SIZE: (usize, usize) = (320, 120);
+const DISPARITIES: i32 = 32;
+
+/// While it makes the costs of a row, each of the two semi-global sweeps turns a row of the right
+/// image around: a census word and a grey step per column and disparity.
+const COST_ROW: usize = (8 + 1) * (SIZE.0 + DISPARITIES as usize);
+
+#[test]
+fn frames_after_the_first_allocate_nothing() {
+    // Without a limit, and with one that makes bands of the sums.
+    for (preset, memory, frames) in [
+        (Preset::Fast, None, 50),
+        (Preset::Balanced, None, 10),
+        (Preset::Balanced, Some(4_000_000), 10),
+        (Preset::Best, None, 1),
+    ] {
+        for threads in [1, 2, 4] {
+            frames_after_the_first(preset, memory, threads, frames);
+        }
+    }
+}
+
+fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize, frames: usize) {
+    let (columns, rows) = SIZE;
+    let texture = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
+    let image = |shift: usize| Plane::from_fn(columns, rows, |x, y| texture(x + shift, y));
+    let pair = |shift: usize| [Image::Grey8(image(0)), Image::Grey8(image(shift))];
+    let pairs = [pair(3), pair(11)];
+    let mut options = Options::new(preset, DisparityRange::new(0, DISPARITIES - 1).unwrap());
+    (options.threads, options.memory) = (threads, memory);
+    let mut matcher = Matcher::new(options).unwrap();
+    let mut frame = |i: usize| {
+        let [left, right] = &pairs[i % 2];
+        matcher.compute(left, right, None).unwrap();
+    };
+    (0..2).for_each(&mut frame);
+    MEMORY.reset_peak_usage();
+    let before = MEMORY.current_usage();
+    (0..frames).for_each(&mut frame);
+    let what = format!("{preset} with {threads} threads and limit {memory:?}");
+    // An allocation that was given back again has raised the peak all the same.
+    let peak = MEMORY.peak_usage().saturating_sub(before);
+    let row = if preset == Preset::Fast { 0 } else { COST_ROW };
+    assert!(peak <= QUEUE + 2 * row, "{what}: {peak} bytes at most beyond the first frame");
+    let left_over = MEMORY.current_usage().saturating_sub(before);
+    assert!(left_over <= QUEUE, "{what}: {left_over} bytes kept by {frames} frames");
+}
