@@ -93,7 +93,8 @@ impl Options {
         Self { preset, range, holes: Holes::Fill, threads, memory: None, without: Vec::new() }
     }
 
-    pub(crate) fn check(&self) -> Result<(), MatchError> {
+    /// Errors when no matcher can be built from them.
+    pub fn check(&self) -> Result<(), MatchError> {
         if self.threads == 0 || self.threads > 1024 {
             return Err(MatchError::Option {
                 field: "threads",
