@@ -1,6 +1,7 @@
 //! The median of 5 x 5 pixels.
 //!
-//! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated.
+//! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated. Blocks of other
+//! numbers, of which any two must compare, go through the same network.
 //!
 //! Columns of five are sorted first, once for the five windows that share them. In a window the
 //! five least, the five second least, and so on, are then sorted among themselves, which leaves
@@ -14,10 +15,13 @@ use raster::Plane;
 use super::level::at_every_level;
 
 /// Pixels that are done together.
-const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 /// Pixels to each side of the middle one.
 const REACH: usize = 2;
 const SIDE: usize = 2 * REACH + 1;
+
+/// Five rows of what the windows of a block hold.
+pub(crate) type Rows<T> = [[T; BLOCK + 2 * REACH]; SIDE];
 
 /// Row `y` of a map between the two above and the two below it; beyond its ends they are repeated.
 pub(crate) fn rows_around(map: &Plane<u16>, y: usize) -> [&[u16]; SIDE] {
@@ -28,35 +32,41 @@ at_every_level! {
     /// The medians around the third of the rows, which are equally long.
     pub(crate) fn median_of_5_rows(rows: [&[u16]; SIDE], medians: &mut [u16]) {
         let columns = medians.len();
-        let mut sorted = [[0; BLOCK + 2 * REACH]; SIDE];
+        let mut near = [[0; BLOCK + 2 * REACH]; SIDE];
         for start in (0..columns).step_by(BLOCK) {
             let size = BLOCK.min(columns - start);
-            for (row, block) in rows.iter().zip(&mut sorted) {
+            for (row, block) in rows.iter().zip(&mut near) {
                 copy_with_ends(row, start, block);
             }
-            for i in 0..BLOCK + 2 * REACH {
-                let mut column = [0; SIDE];
-                for (sample, block) in column.iter_mut().zip(&sorted) {
-                    *sample = block[i];
-                }
-                sort_5(&mut column);
-                for (block, sample) in sorted.iter_mut().zip(column) {
-                    block[i] = sample;
-                }
-            }
-            let mut block = [0; BLOCK];
-            for i in 0..BLOCK {
-                let mut window = [[0; SIDE]; SIDE];
-                for rank in 0..SIDE {
-                    for column in 0..SIDE {
-                        window[rank][column] = sorted[rank][i + column];
-                    }
-                }
-                block[i] = median_of_sorted_columns(window);
-            }
-            medians[start..start + size].copy_from_slice(&block[..size]);
+            medians[start..start + size].copy_from_slice(&medians_of_block(near)[..size]);
         }
     }
+}
+
+/// The medians of the windows whose first columns are the first of these rows.
+#[inline(always)]
+pub(crate) fn medians_of_block<T: PartialOrd + Copy + Default>(mut rows: Rows<T>) -> [T; BLOCK] {
+    for i in 0..BLOCK + 2 * REACH {
+        let mut column = [T::default(); SIDE];
+        for (sample, row) in column.iter_mut().zip(&rows) {
+            *sample = row[i];
+        }
+        sort_5(&mut column);
+        for (row, sample) in rows.iter_mut().zip(column) {
+            row[i] = sample;
+        }
+    }
+    let mut medians = [T::default(); BLOCK];
+    for i in 0..BLOCK {
+        let mut window = [[T::default(); SIDE]; SIDE];
+        for rank in 0..SIDE {
+            for column in 0..SIDE {
+                window[rank][column] = rows[rank][i + column];
+            }
+        }
+        medians[i] = median_of_sorted_columns(window);
+    }
+    medians
 }
 
 /// Copies the samples of a row from `REACH` before `start` on; its ends are repeated.
@@ -72,13 +82,13 @@ fn copy_with_ends(row: &[u16], start: usize, block: &mut [u16; BLOCK + 2 * REACH
 }
 
 #[inline(always)]
-fn order(a: &mut u16, b: &mut u16) {
-    (*a, *b) = ((*a).min(*b), (*a).max(*b));
+fn order<T: PartialOrd + Copy>(a: &mut T, b: &mut T) {
+    (*a, *b) = if *b < *a { (*b, *a) } else { (*a, *b) };
 }
 
 /// Nine comparisons sort five numbers.
 #[inline(always)]
-fn sort_5([a, b, c, d, e]: &mut [u16; SIDE]) {
+fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
     order(a, d);
     order(b, e);
     order(a, c);
@@ -92,7 +102,7 @@ fn sort_5([a, b, c, d, e]: &mut [u16; SIDE]) {
 
 /// The median of five sorted columns: `window[rank][column]`.
 #[inline(always)]
-fn median_of_sorted_columns(mut window: [[u16; SIDE]; SIDE]) -> u16 {
+fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
     for rank in &mut window {
         sort_5(rank);
     }
@@ -115,7 +125,7 @@ fn median_of_sorted_columns(mut window: [[u16; SIDE]; SIDE]) -> u16 {
 
 /// Brings the least to the front and the largest to the end.
 #[inline(always)]
-fn drop_extremes<const N: usize>(numbers: &mut [u16; N]) {
+fn drop_extremes<T: PartialOrd + Copy, const N: usize>(numbers: &mut [T; N]) {
     for i in 0..N / 2 {
         let (front, back) = numbers.split_at_mut(N - 1 - i);
         order(&mut front[i], &mut back[0]);
