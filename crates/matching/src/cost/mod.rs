@@ -2,6 +2,7 @@
 
 pub(crate) mod absolute_difference;
 pub(crate) mod census_gradient;
+pub(crate) mod looks;
 
 use std::ops::Range;
 

@@ -11,6 +11,7 @@ use crate::ingredient::{Ingredient, Ingredients};
 use crate::matcher::Frame;
 use crate::optimization::bands::{Bands, Volume};
 use crate::optimization::semi_global::SemiGlobal;
+use crate::optimization::support_weights::SupportWeights;
 use crate::refinement::groups::Groups;
 
 /// What semi-global matching takes at most without being told how much it may. Bands cost time: half
@@ -67,21 +68,27 @@ impl Needs {
         // Disparities and reasons of the left view, its fixed point and groups. The right view has
         // the memory of the answer.
         let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
-        let prior = match ingredients.has(Ingredient::SurfacePrior) {
+        let (prior, support_weights) = (
+            ingredients.has(Ingredient::SurfacePrior),
+            ingredients.has(Ingredient::SupportWeights),
+        );
+        let filled = if prior || support_weights { 4 * part } else { 0 };
+        let prior = match prior {
             false => 0,
-            // The map with its holes filled, and a surface per pixel and cell.
-            true => 4 * part + 12 * (part + columns.div_ceil(4) * lines.div_ceil(4)),
+            // A surface per pixel and cell.
+            true => 12 * (part + columns.div_ceil(4) * lines.div_ceil(4)),
         };
-        let support_weights = match ingredients.has(Ingredient::SupportWeights) {
+        let support_weights = match support_weights {
             false => 0,
-            // Per view two maps, its looks and those of the other, and a surface per pixel; the
-            // right one's reasons, fixed point and groups.
+            // The left view smoothed; the right one filled and smoothed, its reasons, fixed point and
+            // groups; per view its looks and those of the other.
             true => {
-                let views = (4 + 4 + 12) * (part + wide) + 4 * 3 * wide;
-                views + (1 + 2) * wide + Groups::bytes(width, lines)
+                let right = (4 + 4 + 1 + 2) * wide + Groups::bytes(width, lines);
+                let looks = 4 * 3 * wide;
+                4 * part + right + looks + SupportWeights::bytes(width, lines, space.count)
             }
         };
-        let stages = images + grey + features + left + prior + support_weights;
+        let stages = images + grey + features + left + filled + prior + support_weights;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }

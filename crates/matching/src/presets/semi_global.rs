@@ -13,6 +13,7 @@ use super::memory::Needs;
 use crate::MatchError;
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
+use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{median_of_5_rows, rows_around};
@@ -20,7 +21,7 @@ use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
-use crate::optimization::support_weights::{Looks, Pair, SupportWeights};
+use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::refinement::groups::Groups;
@@ -64,7 +65,6 @@ struct View {
     filled: Plane<f32>,
     smooth: Plane<f32>,
     looks: Looks,
-    weights: SupportWeights,
     groups: Groups,
     /// The map in fixed point.
     steps: Plane<u16>,
@@ -86,6 +86,7 @@ pub(crate) struct SemiGlobalMatching {
     right: View,
     /// The looks of the other image, for each view.
     others: [Looks; 2],
+    weights: SupportWeights,
     /// Rows of medians, one for each thread.
     medians: Vec<Vec<u16>>,
     /// The bytes that it may take, with the answer.
@@ -107,6 +108,7 @@ impl SemiGlobalMatching {
             left: View::default(),
             right: View::default(),
             others: Default::default(),
+            weights: SupportWeights::default(),
             medians: Vec::new(),
         }
     }
@@ -202,7 +204,7 @@ impl View {
     }
 
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    fn refine(&mut self, search: Search, other: &Looks) {
+    fn refine(&mut self, search: Search, other: &Looks, weights: &mut SupportWeights) {
         let Search { ingredients, level, width, range, .. } = search;
         fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
         small_median(&self.filled, &mut self.smooth);
@@ -210,10 +212,10 @@ impl View {
             base: &self.looks,
             other,
             first: self.map.first,
-            least: range.min() as f32,
-            most: range.max() as f32,
+            least: range.min(),
+            most: range.max(),
         };
-        self.weights.refine(level, &pair, &self.smooth, &mut self.map.values);
+        weights.refine(level, &pair, &self.smooth, &mut self.map.values);
     }
 }
 
@@ -284,14 +286,14 @@ impl SemiGlobalMatching {
             self.right.check(search, &self.left.filled, self.left.map.first);
         }
         let [other_of_left, other_of_right] = &mut self.others;
-        self.left.looks.compute(&self.grey[0], work.y0, work.rows());
-        other_of_left.compute(&self.grey[1], work.y0, work.rows());
+        self.left.looks.compute(search.level, &self.grey[0], work.y0, work.rows());
+        other_of_left.compute(search.level, &self.grey[1], work.y0, work.rows());
         if both {
             other_of_left.mirrored(&mut self.right.looks);
             self.left.looks.mirrored(other_of_right);
-            self.right.refine(search, other_of_right);
+            self.right.refine(search, other_of_right, &mut self.weights);
         }
-        self.left.refine(search, other_of_left);
+        self.left.refine(search, other_of_left, &mut self.weights);
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
