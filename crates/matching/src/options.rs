@@ -79,8 +79,11 @@ pub struct Options {
     pub threads: usize,
     /// The most bytes that the matcher may take for its stages and its answer; frames that need more
     /// are refused. `balanced` and `best` take more time where they have less memory, the answer
-    /// does not depend on it. Without a limit only their largest part is bounded, to 256 MB: the sums
-    /// of semi-global matching.
+    /// does not depend on it. Without a limit only their largest part, the sums of semi-global
+    /// matching, is kept below 256 MB, as far as that can be done.
+    ///
+    /// What a frame takes is reckoned for itself: a matcher that is fed frames of several sizes keeps
+    /// what each of them has taken.
     pub memory: Option<usize>,
     /// What the preset is to do without, to see what it gives: nothing unless stated.
     pub without: Vec<Ingredient>,

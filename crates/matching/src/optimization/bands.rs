@@ -10,8 +10,9 @@
 //! With `n` rows in a half, a checkpoint every `b` rows and the sums of one band of `b` rows take
 //! memory for `n / b + b` rows instead of `n`, and the first sweep is done once more. With a second
 //! spacing (a checkpoint every `s` rows; inside of such a stretch, while it is crossed, every `b`
-//! rows) it is `n / s + s / b + b` rows, and the sweep is done twice more. A whole volume is one
-//! stretch with one band (checkpointing in levels, as Griewank's *treeverse*, 1992).
+//! rows) it is `n / s + s / b + b` rows, and the sweep is done twice more: instead of two sweeps over
+//! every row there are three, or four. A whole volume is one stretch with one band. (Griewank
+//! 1992 trades time for memory in this way where programs are differentiated in reverse.)
 
 use crate::kernels::path::RowStates;
 

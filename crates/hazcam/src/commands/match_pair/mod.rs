@@ -94,8 +94,8 @@ pub struct Args {
     threads: Option<usize>,
 
     /// Memory to take at most for matching, such as 400MB or 1.5GiB: with less, balanced and best
-    /// take more time, up to twice as much; the answer does not depend on it [default: what is
-    /// needed, of which at most 256MB for the sums of semi-global matching]
+    /// take more time, up to about half as much again; the answer does not depend on it [default:
+    /// what is needed, of which 256MB for the sums of semi-global matching where that will do]
     #[arg(long, value_name = "SIZE", help_heading = "Matching")]
     #[arg(value_parser = arguments::memory)]
     memory: Option<usize>,
