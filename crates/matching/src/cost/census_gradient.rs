@@ -36,6 +36,16 @@ pub(crate) type Seen<'a> = (GreyView<'a>, &'a Plane<u8>);
 struct Features {
     words: Plane<u32>,
     steps: Plane<u8>,
+    /// Of each band of rows.
+    scratch: Vec<Scratch>,
+}
+
+/// A row of the whole image, before its columns are put in their place.
+#[derive(Default)]
+struct Scratch {
+    census: CensusRows,
+    words: Vec<u32>,
+    steps: Vec<u8>,
 }
 
 /// The features of both images.
@@ -71,16 +81,21 @@ impl Features {
         let width = image.size().0;
         self.words.reset(columns, rows, 0);
         self.steps.reset(columns, rows, 0);
-        let words = self.words.samples_mut().par_chunks_mut(columns);
-        let steps = self.steps.samples_mut().par_chunks_mut(columns);
-        words.zip(steps).enumerate().for_each_init(
-            || (CensusRows::default(), vec![0; width], vec![0; width]),
-            |(census, row_words, row_steps), (y, (words, steps))| {
-                census.words(level, image, first + y, row_words);
-                steps_along_row(grey.row(first + y), row_steps);
-                take(row_words, row_steps, words, steps);
-            },
-        );
+        let height = rows.div_ceil(rayon::current_num_threads());
+        self.scratch.resize_with(rows.div_ceil(height), Scratch::default);
+        let words = self.words.samples_mut().par_chunks_mut(columns * height);
+        let steps = self.steps.samples_mut().par_chunks_mut(columns * height);
+        let bands = words.zip(steps).zip(&mut self.scratch);
+        bands.enumerate().for_each(|(i, ((words, steps), scratch))| {
+            scratch.words.resize(width, 0);
+            scratch.steps.resize(width, 0);
+            let rows = words.chunks_mut(columns).zip(steps.chunks_mut(columns));
+            for (y, (words, steps)) in (first + i * height..).zip(rows) {
+                scratch.census.words(level, image, y, &mut scratch.words);
+                steps_along_row(grey.row(y), &mut scratch.steps);
+                take(&scratch.words, &scratch.steps, words, steps);
+            }
+        });
     }
 }
 
