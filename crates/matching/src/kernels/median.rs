@@ -36,7 +36,7 @@ at_every_level! {
         for start in (0..columns).step_by(BLOCK) {
             let size = BLOCK.min(columns - start);
             for (row, block) in rows.iter().zip(&mut near) {
-                copy_with_ends(row, start, block);
+                copy_with_ends(row, start, REACH, block);
             }
             medians[start..start + size].copy_from_slice(&medians_of_block(near)[..size]);
         }
@@ -69,20 +69,25 @@ pub(crate) fn medians_of_block<T: PartialOrd + Copy + Default>(mut rows: Rows<T>
     medians
 }
 
-/// Copies the samples of a row from `REACH` before `start` on; its ends are repeated.
+/// Copies the samples of a row from `reach` before `start` on; its ends are repeated.
 #[inline(always)]
-fn copy_with_ends(row: &[u16], start: usize, block: &mut [u16; BLOCK + 2 * REACH]) {
-    if start >= REACH && start - REACH + block.len() <= row.len() {
-        block.copy_from_slice(&row[start - REACH..][..BLOCK + 2 * REACH]);
+pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
+    row: &[T],
+    start: usize,
+    reach: usize,
+    block: &mut [T; N],
+) {
+    if start >= reach && start - reach + N <= row.len() {
+        block.copy_from_slice(&row[start - reach..][..N]);
     } else {
         for (i, sample) in block.iter_mut().enumerate() {
-            *sample = row[(start + i).saturating_sub(REACH).min(row.len() - 1)];
+            *sample = row[(start + i).saturating_sub(reach).min(row.len() - 1)];
         }
     }
 }
 
 #[inline(always)]
-fn order<T: PartialOrd + Copy>(a: &mut T, b: &mut T) {
+pub(crate) fn order<T: PartialOrd + Copy>(a: &mut T, b: &mut T) {
     (*a, *b) = if *b < *a { (*b, *a) } else { (*a, *b) };
 }
 

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use raster::View;
 
-use crate::kernels::level::Level;
+use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{AlongState, RowStates, RowTransitions, padded, paths_of_row};
 use crate::optimization::bands::{Bands, Checkpoints, Volume};
 use crate::optimization::surface_prior::SurfacePrior;
@@ -46,11 +46,40 @@ pub struct Penalties {
 }
 
 impl Penalties {
-    /// The large penalty for each grey step.
-    fn table(&self) -> [u8; 256] {
-        std::array::from_fn(|step| {
-            (f32::from(self.p2) - self.fall * step as f32).max(f32::from(self.p2_least)) as u8
-        })
+    /// The large penalty between two pixels of these grey values.
+    #[inline(always)]
+    fn p2_between(&self, here: u8, there: u8) -> u8 {
+        let step = f32::from(here.max(there) - here.min(there));
+        (f32::from(self.p2) - self.fall * step).max(f32::from(self.p2_least)) as u8
+    }
+}
+
+at_every_level! {
+    /// The large penalties of a row for paths from the previous, the same and the next column of the
+    /// row before and for the path along the row.
+    fn penalties_of_row(
+        penalties: Penalties,
+        row: &[u8],
+        before: &[u8],
+        reverse: bool,
+        p2: &mut [Vec<u8>; 4],
+    ) {
+        let last = row.len() - 1;
+        let [previous, same, next, along] = p2.each_mut().map(|p2| &mut p2[..=last]);
+        let fill = |p2: &mut [u8], here: &[u8], there: &[u8]| {
+            for ((p2, &here), &there) in p2.iter_mut().zip(here).zip(there) {
+                *p2 = penalties.p2_between(here, there);
+            }
+        };
+        // Beyond the ends of the rows there are no paths; what stands there does not matter.
+        fill(&mut previous[1..], &row[1..], before);
+        fill(same, row, before);
+        fill(next, row, &before[1..]);
+        if reverse {
+            fill(along, row, &row[1..]);
+        } else {
+            fill(&mut along[1..], &row[1..], row);
+        }
     }
 }
 
@@ -90,8 +119,7 @@ struct Shared<'a, C> {
     costs: &'a C,
     guide: View<'a, u8>,
     prior: Option<&'a SurfacePrior>,
-    p1: u8,
-    p2: [u8; 256],
+    penalties: Penalties,
     bands: Bands,
 }
 
@@ -128,19 +156,6 @@ impl Sweep {
         self.costs.resize(columns * count, 0);
     }
 
-    /// Looks up the large penalty of each column for a row and the row before it on the paths.
-    fn look_up_penalties(&mut self, table: &[u8; 256], row: &[u8], before: &[u8], reverse: bool) {
-        let last = row.len() - 1;
-        let [from0, from1, from2, along] = &mut self.transitions.p2;
-        for x in 0..row.len() {
-            let to = |other: u8| table[usize::from(row[x].abs_diff(other))];
-            from0[x] = to(before[x.saturating_sub(1)]);
-            from1[x] = to(before[x]);
-            from2[x] = to(before[(x + 1).min(last)]);
-            along[x] = to(row[if reverse { (x + 1).min(last) } else { x.saturating_sub(1) }]);
-        }
-    }
-
     /// Goes on to row `y`: its sums are added to `sums`, or replace them.
     fn advance(
         &mut self,
@@ -152,9 +167,13 @@ impl Sweep {
         let reverse = self.reverse;
         let before =
             if reverse { (y + 1).min(shared.guide.rows() - 1) } else { y.saturating_sub(1) };
-        self.look_up_penalties(&shared.p2, shared.guide.row(y), shared.guide.row(before), reverse);
+        let [row, row_before] = [y, before].map(|y| shared.guide.row(y));
+        let p2 = &mut self.transitions.p2;
+        penalties_of_row(shared.level, shared.penalties, row, row_before, reverse, p2);
         match shared.prior {
-            Some(prior) if before != y => prior.rises(y, reverse, &mut self.transitions.rise),
+            Some(prior) if before != y => {
+                prior.rises(shared.level, y, reverse, &mut self.transitions.rise)
+            }
             // Paths begin in a sweep's first row.
             _ => self.transitions.rise.iter_mut().for_each(|rise| rise.fill(0)),
         }
@@ -171,7 +190,7 @@ impl Sweep {
             &self.costs,
             padded(shared.costs.count()),
             &self.transitions,
-            shared.p1,
+            shared.penalties.p1,
             old,
             new,
             &mut self.along,
@@ -261,8 +280,7 @@ impl SemiGlobal {
             (columns, rows),
             "the guide has the size of the costs"
         );
-        let (p1, p2) = (penalties.p1, penalties.table());
-        let shared = Shared { level, costs, guide, prior, p1, p2, bands };
+        let shared = Shared { level, costs, guide, prior, penalties: *penalties, bands };
         let halves = [Self::middle(rows), rows - Self::middle(rows)];
         for (i, half) in halves.into_iter().enumerate() {
             let reverse = i == 1;
@@ -324,7 +342,6 @@ mod tests {
         let mut sums = vec![0u16; given.costs.len()];
         let directions =
             [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1isize)];
-        let table = penalties.table();
         for (dx, dy) in directions {
             let mut states = vec![0u16; given.costs.len()];
             let ys: Vec<isize> = if dy < 0 { (0..h).rev().collect() } else { (0..h).collect() };
@@ -338,10 +355,12 @@ mod tests {
                         let mut l = u16::from(given.costs[here + d]);
                         if inside {
                             let q = &states[(qy * w + qx) as usize * n..][..n];
-                            let step = guide.row(y as usize)[x as usize]
-                                .abs_diff(guide.row(qy as usize)[qx as usize]);
+                            let grey = |x: isize, y: isize| guide.row(y as usize)[x as usize];
+                            let step = f32::from(grey(x, y).abs_diff(grey(qx, qy)));
+                            let p2 = f32::from(penalties.p2) - penalties.fall * step;
+                            let p2 = p2.max(f32::from(penalties.p2_least)) as u8;
                             let least = *q.iter().min().unwrap();
-                            let mut best = q[d].min(least + u16::from(table[usize::from(step)]));
+                            let mut best = q[d].min(least + u16::from(p2));
                             if d > 0 {
                                 best = best.min(q[d - 1] + u16::from(penalties.p1));
                             }

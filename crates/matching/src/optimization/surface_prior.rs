@@ -16,7 +16,7 @@
 use raster::Plane;
 use rayon::prelude::*;
 
-use crate::kernels::level::Level;
+use crate::kernels::level::{Level, at_every_level};
 use crate::refinement::plane_fit::Surface;
 
 /// Pixels that share a plane: a square with this side.
@@ -71,20 +71,31 @@ impl SurfacePrior {
     /// The rises of row `y` on the last step of four paths: from the previous, the same and the
     /// next column of the row before, and along the row. In a `reverse` sweep the row before lies
     /// below, and the path along the row comes from the right.
-    pub fn rises(&self, y: usize, reverse: bool, rises: &mut [Vec<i8>; 4]) {
-        let sign = if reverse { -1.0 } else { 1.0 };
-        let [from_previous, from_same, from_next, along_row] = rises;
-        for (x, &Surface { disparity, along, down }) in self.surfaces.row(y).iter().enumerate() {
-            let rise =
-                |step: f32| ((disparity + 0.5).floor() - (disparity - step + 0.5).floor()) as i8;
-            from_previous[x] = rise(along + sign * down);
-            from_same[x] = rise(sign * down);
-            from_next[x] = rise(-along + sign * down);
-            along_row[x] = rise(sign * along);
-        }
+    pub fn rises(&self, level: Level, y: usize, reverse: bool, rises: &mut [Vec<i8>; 4]) {
+        rises_of_row(level, self.surfaces.row(y), reverse, rises);
         // Here the path along the row begins.
+        let along_row = &mut rises[3];
         let last = along_row.len() - 1;
         along_row[if reverse { last } else { 0 }] = 0;
+    }
+}
+
+at_every_level! {
+    /// `round(f(p)) - round(f(q))` for the four pixels `q` before each pixel `p`.
+    fn rises_of_row(surfaces: &[Surface], reverse: bool, rises: &mut [Vec<i8>; 4]) {
+        let sign = if reverse { -1.0 } else { 1.0 };
+        let [from_previous, from_same, from_next, along_row] = rises;
+        let paths = from_previous.iter_mut().zip(from_same).zip(from_next).zip(along_row);
+        for (&Surface { disparity, along, down }, (((previous, same), next), row)) in
+            surfaces.iter().zip(paths)
+        {
+            let rise =
+                |step: f32| ((disparity + 0.5).floor() - (disparity - step + 0.5).floor()) as i8;
+            *previous = rise(along + sign * down);
+            *same = rise(sign * down);
+            *next = rise(-along + sign * down);
+            *row = rise(sign * along);
+        }
     }
 }
 
@@ -102,12 +113,12 @@ mod tests {
         prior.fit(Level::detect(), &values, &values);
         let mut rises = std::array::from_fn(|_| vec![9; 64]);
         for y in 10..30 {
-            prior.rises(y, false, &mut rises);
+            prior.rises(Level::detect(), y, false, &mut rises);
             let expected = (floor(y).round() - floor(y - 1).round()) as i8;
             assert_eq!(rises[1][10], expected, "row {y}");
             assert_eq!(rises[3][10], 0, "row {y}");
             assert_eq!(rises[1][31], 0, "row {y}");
-            prior.rises(y - 1, true, &mut rises);
+            prior.rises(Level::detect(), y - 1, true, &mut rises);
             assert_eq!(rises[1][10], -expected, "row {y}");
         }
     }

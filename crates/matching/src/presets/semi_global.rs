@@ -130,11 +130,11 @@ fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) {
 }
 
 /// The median of 3 x 3 pixels.
-fn small_median(values: &Plane<f32>, out: &mut Plane<f32>) {
+fn small_median(level: Level, values: &Plane<f32>, out: &mut Plane<f32>) {
     let (columns, rows) = values.size();
     out.reset(columns, rows, 0.0);
     let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
-    rows.for_each(|(y, out)| median_row(values, y, out));
+    rows.for_each(|(y, out)| median_row(level, values, y, out));
 }
 
 /// A map in fixed point.
@@ -207,7 +207,7 @@ impl View {
     fn refine(&mut self, search: Search, other: &Looks, weights: &mut SupportWeights) {
         let Search { ingredients, level, width, range, .. } = search;
         fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
-        small_median(&self.filled, &mut self.smooth);
+        small_median(level, &self.filled, &mut self.smooth);
         let pair = Pair {
             base: &self.looks,
             other,

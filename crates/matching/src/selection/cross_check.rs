@@ -45,7 +45,7 @@ pub(crate) fn cross_check(
                 // The column that this one points at, and one to each side.
                 let target = mirrored - ((u + other_first) as f32 - d) - first;
                 if target >= 0.0 && target <= (columns - 1) as f32 {
-                    let target = target.round() as usize;
+                    let target = (target + 0.5) as usize;
                     let near = target.saturating_sub(1)..=(target + 1).min(columns - 1);
                     reasons[near].fill(Reason::MismatchedHole);
                 }
@@ -85,7 +85,8 @@ pub(crate) fn disagreements(
 fn disagreement(mirrored: f32, column: f32, value: f32, other: &[f32], other_first: usize) -> f32 {
     let target = mirrored - (column - value) - other_first as f32;
     if target > -0.5 && target < other.len() as f32 - 0.5 {
-        (other[target.round() as usize] - value).abs()
+        // To the nearest: nothing here is below -0.5.
+        (other[(target + 0.5) as usize] - value).abs()
     } else {
         f32::NAN
     }
