@@ -1,5 +1,7 @@
 //! One row for each variant: its errors, and against the whole preset.
 
+use std::collections::BTreeSet;
+
 use arena::record::Record;
 use arena::report::{Cell, Column, Table};
 use matching::{Ingredient, Preset};
@@ -39,7 +41,7 @@ pub struct Row {
     matcher: &'static str,
     /// What is left out of it.
     without: Option<&'static str>,
-    /// Scenes with scores.
+    /// Scenes that every variant of the preset has scores on.
     scenes: usize,
     /// E_RMS in pixels over all, non-occluded and occluded pixels.
     e_rms: [Option<f64>; 3],
@@ -73,7 +75,7 @@ impl Row {
         Self {
             matcher: variant.preset.name(),
             without: variant.without.map(Ingredient::name),
-            scenes: own.iter().filter(|figures| figures.p_bad[0].is_some()).count(),
+            scenes: own.len(),
             e_rms: region(|figures| figures.e_rms),
             p_bad: region(|figures| figures.p_bad),
             ratio: variant.without.and(mean(logarithms)).map(f64::exp),
@@ -89,22 +91,34 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// The rows of every variant that has run.
+/// The rows of every preset that has run.
 pub fn rows(records: &[Record]) -> Vec<Row> {
-    let figures = |engine: &str| -> Vec<Figures> {
+    let figures = |variant: Variant| -> Vec<Figures> {
+        let engine = variant.name();
         records.iter().filter(|record| record.engine == engine).map(Figures::of).collect()
     };
     let mut rows = Vec::new();
     for preset in Preset::ALL {
-        let whole = figures(preset.name());
-        for variant in Variant::of(preset) {
-            let own = figures(&variant.name());
-            if !own.is_empty() {
-                rows.push(Row::new(variant, &whole, &own));
-            }
+        let (variants, mut found): (Vec<_>, Vec<_>) =
+            Variant::of(preset).map(|variant| (variant, figures(variant))).unzip();
+        keep_shared_scenes(&mut found);
+        if !found[0].is_empty() {
+            rows.extend(variants.iter().zip(&found).map(|(v, own)| Row::new(*v, &found[0], own)));
         }
     }
     rows
+}
+
+/// Leaves only scenes that every variant has scores on: means over others cannot be compared.
+fn keep_shared_scenes(found: &mut [Vec<Figures>]) {
+    let scored = |figures: &[Figures]| -> BTreeSet<String> {
+        let scored = figures.iter().filter(|figures| figures.p_bad[0].is_some());
+        scored.map(|figures| figures.scene.clone()).collect()
+    };
+    let shared = found.iter().map(|figures| scored(figures)).reduce(|a, b| &a & &b);
+    for figures in found {
+        figures.retain(|figures| shared.iter().any(|shared| shared.contains(&figures.scene)));
+    }
 }
 
 /// The rows as a table.
@@ -204,6 +218,15 @@ mod tests {
             lines[3],
             "|  | median | 3.00 | - | - | 0.2667 | 0.1333 | - | 1.414 | 1 | 0.0100 | 250 |"
         );
+    }
+
+    #[test]
+    fn a_scene_that_one_variant_lacks_counts_for_none() {
+        let (a, b) = (figures("a", 0.1, 1.0), figures("b", 0.2, 3.0));
+        let failed = Figures { scene: "b".into(), ..Figures::default() };
+        let mut found = [vec![a.clone(), b], vec![failed, a.clone()]];
+        keep_shared_scenes(&mut found);
+        assert_eq!(found, [vec![a.clone()], vec![a]]);
     }
 
     #[test]
