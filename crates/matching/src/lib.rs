@@ -41,6 +41,7 @@ mod optimization;
 mod options;
 mod prepare;
 mod presets;
+mod profile;
 mod refinement;
 mod selection;
 
@@ -49,3 +50,4 @@ pub use ingredient::Ingredient;
 pub use kernels::level::Level;
 pub use matcher::Matcher;
 pub use options::{Holes, Options, Preset};
+pub use profile::Stage;

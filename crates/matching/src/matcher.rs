@@ -3,6 +3,7 @@
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
 use crate::presets;
+use crate::profile::{Profile, Stage};
 use crate::refinement::groups::LARGEST;
 use crate::{Holes, MatchError, Options};
 
@@ -29,8 +30,13 @@ pub(crate) trait Pipeline: Send {
     fn least_memory(&self, frame: &Frame<'_>) -> usize;
 
     /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
-    /// Holes are filled, with reasons that say so.
-    fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError>;
+    /// Holes are filled, with reasons that say so. `profile` is told when a stage has ended.
+    fn run(
+        &mut self,
+        frame: &Frame<'_>,
+        map: &mut DisparityMap,
+        profile: &mut Profile,
+    ) -> Result<(), MatchError>;
 }
 
 /// Takes filled values out again, and says what each hole is.
@@ -59,6 +65,7 @@ pub struct Matcher {
     pool: rayon::ThreadPool,
     pipeline: Box<dyn Pipeline>,
     map: DisparityMap,
+    profile: Profile,
 }
 
 impl Matcher {
@@ -74,12 +81,19 @@ impl Matcher {
                 }
             })?;
         let pipeline = presets::pipeline(&options)?;
-        Ok(Self { options, pool, pipeline, map: DisparityMap::default() })
+        let (map, profile) = (DisparityMap::default(), Profile::new());
+        Ok(Self { options, pool, pipeline, map, profile })
     }
 
     /// The options it was built from.
     pub fn options(&self) -> &Options {
         &self.options
+    }
+
+    /// Where the time of the last frame went: its stages in the order in which they ran. Empty before
+    /// the first frame.
+    pub fn profile(&self) -> &[Stage] {
+        self.profile.stages()
     }
 
     /// The disparity of every pixel in `bounds` (the whole image without one), in pixels of the
@@ -109,7 +123,7 @@ impl Matcher {
             return Err(MatchError::TooLarge { columns, rows, limit: LARGEST });
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
-        let (pipeline, map) = (&mut self.pipeline, &mut self.map);
+        let Self { pipeline, map, profile, .. } = self;
         let allowed = self.options.memory;
         self.pool.install(|| {
             if let Some(limit) = allowed {
@@ -119,8 +133,9 @@ impl Matcher {
                     return Err(MatchError::Memory { columns, rows, disparities, needed, limit });
                 }
             }
+            profile.begin();
             map.reset(columns, rows);
-            pipeline.run(&frame, map)
+            pipeline.run(&frame, map, profile)
         })?;
         if self.options.holes == Holes::Keep {
             open_holes(map, bounds);

@@ -185,6 +185,33 @@ fn a_limit_to_the_memory_changes_nothing() {
 }
 
 #[test]
+fn a_profile_names_the_stages_and_adds_up() {
+    let folder = Folder::with_pair(64, 40);
+    for (matcher, stage) in
+        [("fast", "windows"), ("balanced", "eight paths"), ("best", "support weights")]
+    {
+        let outcome = folder
+            .run(&format!("match left.png right.png -o d.pfm -d 12 -m {matcher} --profile"))
+            .done();
+        let lines: Vec<&str> = outcome.stdout.lines().collect();
+        assert!(
+            lines[0].starts_with("stage") && outcome.stdout.contains(stage),
+            "{}",
+            outcome.stdout
+        );
+        let ms = |line: &&str| -> f64 {
+            line.split_whitespace()
+                .find_map(|word| word.contains('.').then(|| word.parse().ok())?)
+                .unwrap()
+        };
+        let (all, stages) = lines[1..].split_last().unwrap();
+        let sum: f64 = stages.iter().map(ms).sum();
+        assert!((ms(all) - sum).abs() <= 0.001 * lines.len() as f64, "{}", outcome.stdout);
+        assert!(all.starts_with("all") && all.contains("MDE/s"), "{all}");
+    }
+}
+
+#[test]
 fn options_come_from_the_environment_and_flags_win() {
     let folder = Folder::with_pair(24, 16);
     let threads = |arguments: &[&str]| {

@@ -11,6 +11,7 @@ use crate::kernels::level::Level;
 use crate::kernels::median::{median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
+use crate::profile::Profile;
 use crate::refinement::groups::Groups;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
@@ -58,6 +59,7 @@ impl Fast {
         frame: &Frame<'_>,
         height: usize,
         map: &mut DisparityMap,
+        profile: &mut Profile,
     ) -> Result<(), MatchError> {
         let (columns, rows) = (frame.bounds.columns(), frame.bounds.rows());
         let space = SearchSpace::new(frame.size().0, frame.bounds, frame.range);
@@ -66,12 +68,17 @@ impl Fast {
         self.bands.resize_with(rows.div_ceil(height), Band::default);
         if space.count > 0 {
             self.find_winners(frame, &space, numbers, height, map);
+            profile.end("windows, winners, check");
             let step = numbers.steps(GROUP_STEP);
             self.groups.find(self.level, self.disparities.samples(), columns, step, height);
+            profile.end("speckles");
             self.fill_gaps(frame, numbers, height, map);
         }
-        if self.fill_empty_rows(frame, numbers, map) {
+        let any = self.fill_empty_rows(frame, numbers, map);
+        profile.end("gaps");
+        if any {
             self.smooth(frame, numbers, height, map);
+            profile.end("median");
         }
         Ok(())
     }
@@ -215,9 +222,14 @@ impl Pipeline for Fast {
             + memory::rows(width)
     }
 
-    fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError> {
+    fn run(
+        &mut self,
+        frame: &Frame<'_>,
+        map: &mut DisparityMap,
+        profile: &mut Profile,
+    ) -> Result<(), MatchError> {
         let height = frame.bounds.rows().div_ceil(rayon::current_num_threads());
-        self.run_in_bands(frame, height, map)
+        self.run_in_bands(frame, height, map, profile)
     }
 }
 
@@ -259,7 +271,10 @@ mod tests {
         let (columns, rows) = frame.size();
         let mut map = DisparityMap::empty(columns, rows);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| Fast::new(level).run_in_bands(frame, height, &mut map)).unwrap();
+        pool.install(|| {
+            Fast::new(level).run_in_bands(frame, height, &mut map, &mut Profile::new())
+        })
+        .unwrap();
         map
     }
 
@@ -307,7 +322,7 @@ mod tests {
             let bounds = BoundingBox::whole(columns, rows);
             let frame = Frame { left: &left, right: &right, bounds, range };
             found.reset(columns, rows);
-            reused.run_in_bands(&frame, 7, &mut found).unwrap();
+            reused.run_in_bands(&frame, 7, &mut found, &mut Profile::new()).unwrap();
             let expected = map(Level::detect(), &frame, 7, 1);
             assert!(bits(&found) == bits(&expected), "{columns} x {rows}");
         }

@@ -24,6 +24,7 @@ use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
+use crate::profile::Profile;
 use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
@@ -42,6 +43,11 @@ const GROUP_STEP: f32 = 1.0;
 const SURROUNDINGS: usize = 32;
 /// The confidence of a pixel that both cameras see, but that got its disparity from its neighbours.
 const MISMATCHED: f32 = 0.05;
+
+/// Stages that run more than once, for the profile.
+const PATHS: &str = "costs, eight paths, winners";
+const CHECK: &str = "check, speckles";
+const FILL: &str = "fill";
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
@@ -264,17 +270,27 @@ impl SemiGlobalMatching {
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
-    fn follow_surfaces(&mut self, space: &SearchSpace, search: Search, confidence: &mut [f32]) {
+    fn follow_surfaces(
+        &mut self,
+        space: &SearchSpace,
+        search: Search,
+        confidence: &mut [f32],
+        profile: &mut Profile,
+    ) {
         self.left.check(search, &self.right.map.values, self.right.map.first);
         let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
+        profile.end(CHECK);
         fill(ingredients, level, width, range, map, filled);
+        profile.end(FILL);
         self.prior.fit(level, &map.values, filled);
+        profile.end("surfaces");
         self.optimize(space, search, confidence, true);
+        profile.end(PATHS);
     }
 
     /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, search: Search) {
+    fn sharpen(&mut self, search: Search, profile: &mut Profile) {
         let work = search.work;
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
@@ -285,6 +301,7 @@ impl SemiGlobalMatching {
         if both {
             self.right.check(search, &self.left.filled, self.left.map.first);
         }
+        profile.end(CHECK);
         let [other_of_left, other_of_right] = &mut self.others;
         self.left.looks.compute(search.level, &self.grey[0], work.y0, work.rows());
         other_of_left.compute(search.level, &self.grey[1], work.y0, work.rows());
@@ -294,6 +311,7 @@ impl SemiGlobalMatching {
             self.right.refine(search, other_of_right, &mut self.weights);
         }
         self.left.refine(search, other_of_left, &mut self.weights);
+        profile.end("support weights, with their fill");
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -350,7 +368,12 @@ impl Pipeline for SemiGlobalMatching {
         Needs::new(frame, work, &search_space(frame, work), self.ingredients).least()
     }
 
-    fn run(&mut self, frame: &Frame<'_>, map: &mut DisparityMap) -> Result<(), MatchError> {
+    fn run(
+        &mut self,
+        frame: &Frame<'_>,
+        map: &mut DisparityMap,
+        profile: &mut Profile,
+    ) -> Result<(), MatchError> {
         let bounds = frame.bounds;
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
@@ -360,6 +383,7 @@ impl Pipeline for SemiGlobalMatching {
         for (view, grey) in views.into_iter().zip(&mut self.grey) {
             copy_upper_bits(view, grey);
         }
+        profile.end("grey");
 
         let space = search_space(frame, work);
         let bands = Needs::new(frame, work, &space, self.ingredients).bands(self.memory);
@@ -388,26 +412,30 @@ impl Pipeline for SemiGlobalMatching {
             };
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
             self.features.compute(level, seen, &space, (work.y0, rows));
+            profile.end("census and gradient");
             let confidence = &mut map.confidence.samples_mut()[work.y0 * width..];
             self.optimize(&space, search, confidence, false);
+            profile.end(PATHS);
             if ingredients.has(Ingredient::SurfacePrior) {
-                self.follow_surfaces(&space, search, confidence);
+                self.follow_surfaces(&space, search, confidence, profile);
                 if ingredients.has(Ingredient::LastSurfaceRun) {
-                    self.follow_surfaces(&space, search, confidence);
+                    self.follow_surfaces(&space, search, confidence, profile);
                 }
             }
             if ingredients.has(Ingredient::SupportWeights) {
-                self.sharpen(search);
+                self.sharpen(search, profile);
             }
             if !ingredients.has(Ingredient::PathMargin) {
                 self.trust_agreement(width, confidence);
             }
             self.left.check(search, &self.right.map.values, self.right.map.first);
+            profile.end(CHECK);
         } else {
             self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
         }
         let filled = &mut self.right.map.values;
         fill(ingredients, level, width, range, &mut self.left.map, filled);
+        profile.end(FILL);
         in_steps(level, search.numbers, filled, &mut self.left.steps);
         // Without a search there is one value everywhere.
         let nowhere = filled.row(0)[0];
@@ -416,6 +444,7 @@ impl Pipeline for SemiGlobalMatching {
         if space.count > 0 {
             self.smooth(search, bounds, &mut map.values);
         }
+        profile.end("median");
         fill_around(&mut map.values, bounds, f32::NAN);
         fill_around(&mut map.confidence, bounds, 0.0);
 
@@ -434,6 +463,7 @@ impl Pipeline for SemiGlobalMatching {
                 }
             }
         }
+        profile.end("answer");
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! `hazcam match`: two images in, a disparity map out.
 
 mod outputs;
+mod profile;
 mod sidecar;
 
 use std::path::PathBuf;
@@ -99,6 +100,11 @@ pub struct Args {
     #[arg(long, value_name = "SIZE", help_heading = "Matching")]
     #[arg(value_parser = arguments::memory)]
     memory: Option<usize>,
+
+    /// Print where the time went: milliseconds on the wall per stage, and million disparities
+    /// evaluated per second
+    #[arg(long)]
+    profile: bool,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -146,6 +152,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         100.0 * sidecar.matched(),
         if options.holes == Holes::Fill { ", the rest filled" } else { ", the rest left open" },
     ));
+    if args.profile {
+        print!("{}", profile::table(matcher.profile(), &options, bounds));
+    }
     Ok(ExitCode::SUCCESS)
 }
 
