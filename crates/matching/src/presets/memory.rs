@@ -17,7 +17,7 @@ use crate::refinement::groups::Groups;
 /// What semi-global sums take at most where no limit was given. Bands cost time, so the pairs of the
 /// usual benchmarks are matched without any (KITTI with 160 disparities: 150 MB); several megapixels,
 /// whose sums would be gigabytes, are matched with bands.
-const UNASKED: usize = 256_000_000;
+const UNASKED: usize = 180_000_000;
 
 /// Room for what is done row by row: bytes per column and thread, and in all.
 const ROW: usize = 64;
