@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::path::LANES;
 use crate::optimization::semi_global::CostRows;
 use crate::prepare::census::{BITS, CensusRows};
 use crate::prepare::gradient::steps_along_row;
@@ -133,9 +134,6 @@ pub(crate) struct CensusGradientRows<'a> {
     features: &'a FeaturePair,
     space: &'a SearchSpace,
 }
-
-/// Disparities that are done together.
-const LANES: usize = 32;
 
 at_every_level! {
     /// The costs of a row.

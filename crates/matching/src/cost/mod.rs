@@ -8,8 +8,7 @@ use std::ops::Range;
 
 use raster::{BoundingBox, DisparityRange};
 
-/// Costs of one row are computed for a multiple of this many disparities: whole vectors.
-const LANES: usize = 32;
+use crate::kernels::path::padded;
 
 /// The columns of the left image that are answered, and the disparities that can be tried there.
 ///
@@ -27,7 +26,7 @@ pub(crate) struct SearchSpace {
     pub min: i32,
     /// How many disparities are tried, from `min` upwards; 0 when no match can lie inside.
     pub count: usize,
-    /// `count` rounded up to whole vectors: costs from one column to the next.
+    /// `count` in whole groups ([`padded`]): costs from one column to the next.
     pub lanes: usize,
 }
 
@@ -39,7 +38,7 @@ impl SearchSpace {
         let min = i64::from(range.min()).max(first as i64 - (width as i64 - 1));
         let max = i64::from(range.max()).min(last as i64);
         let count = (max - min + 1).max(0) as usize;
-        Self { width, first, last, min: min as i32, count, lanes: count.next_multiple_of(LANES) }
+        Self { width, first, last, min: min as i32, count, lanes: padded(count) }
     }
 
     /// How many columns are answered.

@@ -17,7 +17,6 @@ use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{median_of_5_rows, rows_around};
-use crate::kernels::path::padded;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
@@ -158,13 +157,6 @@ fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> Boundin
         x1: (bounds.x1 + SURROUNDINGS).min(columns - 1),
         y1: (bounds.y1 + SURROUNDINGS).min(rows - 1),
     }
-}
-
-/// What is searched there, in whole groups of disparities.
-fn search_space(frame: &Frame<'_>, work: BoundingBox) -> SearchSpace {
-    let mut space = SearchSpace::new(frame.size().0, work, frame.range);
-    space.lanes = padded(space.count);
-    space
 }
 
 impl View {
@@ -365,7 +357,8 @@ fn fill_around(plane: &mut Plane<f32>, bounds: BoundingBox, value: f32) {
 impl Pipeline for SemiGlobalMatching {
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
         let work = surroundings(frame.bounds, frame.size());
-        Needs::new(frame, work, &search_space(frame, work), self.ingredients).least()
+        let space = SearchSpace::new(frame.size().0, work, frame.range);
+        Needs::new(frame, work, &space, self.ingredients).least()
     }
 
     fn run(
@@ -385,7 +378,7 @@ impl Pipeline for SemiGlobalMatching {
         }
         profile.end("grey");
 
-        let space = search_space(frame, work);
+        let space = SearchSpace::new(width, work, frame.range);
         let bands = Needs::new(frame, work, &space, self.ingredients).bands(self.memory);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);

@@ -11,6 +11,7 @@
 
 use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::path::LANES;
 
 /// A sum and its disparity in one number, the sum above: of two keys the smaller one wins. The
 /// largest stands for "no disparity could be tried".
@@ -55,9 +56,6 @@ impl Winners {
         self.right[space.lanes..][..space.width].iter().map(|&key| Key(key))
     }
 }
-
-/// Disparities that are handled together.
-const LANES: usize = 32;
 
 at_every_level! {
     /// One pass over the sums of each column serves both views: in the mirror the right columns that
