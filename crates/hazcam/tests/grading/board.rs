@@ -243,6 +243,7 @@ fn mistakes_are_named() {
         (with(&["--matcher", "fast", "--secret-id", "abc"]), "`abc` cannot be a secret ID"),
         (with(&["--matcher", "fast", "--owner", ""]), "cannot name an owner"),
         (vec!["add", "--matcher", "fast", "--holdout", "none.toml"], "none.toml"),
+        (with(&["nowhere"]), "there is no nowhere"),
         (
             vec!["add", "--matcher", "fast", "--data", "nowhere"],
             "HAZCAM_DATA or --data: nowhere is not a folder\n",
@@ -252,6 +253,7 @@ fn mistakes_are_named() {
         assert_eq!((status, stdout.as_str()), (2, ""), "{arguments:?}");
         assert!(stderr.contains(words), "{arguments:?}: {stderr}");
     }
+    assert!(!course.0.path("board.sqlite").exists(), "mistakes begin no board");
     course.done(&with(&["--matcher", "fast"]));
     for (arguments, words) in [
         (

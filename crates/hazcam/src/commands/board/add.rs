@@ -57,8 +57,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         bail!(BoardError::Name(id.clone()));
     }
     let workshop = Workshop::open(&args.grading)?;
-    let (mut board, holdout, scene) = open(path, args.holdout.as_deref())?;
     let (name, entrant) = args.entrant.open(&workshop)?;
+    // Only now: who is not there begins no board.
+    let (mut board, holdout, scene) = open(path, args.holdout.as_deref())?;
     let grader = workshop.grader()?;
     args.grading.warn_if_unconfined(ui);
     ui.print(&text::header(&grader, &name))?;
