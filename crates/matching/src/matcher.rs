@@ -2,6 +2,8 @@
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
+use crate::kernels::level::Level;
+use crate::limits::Limits;
 use crate::presets;
 use crate::profile::{Profile, Stage};
 use crate::refinement::groups::LARGEST;
@@ -30,7 +32,8 @@ pub(crate) trait Pipeline: Send {
     fn least_memory(&self, frame: &Frame<'_>) -> usize;
 
     /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
-    /// Holes are filled, with reasons that say so. `profile` is told when a stage has ended.
+    /// Holes are filled, with reasons that say so. `profile` is told when a stage has ended, and what
+    /// it did.
     fn run(
         &mut self,
         frame: &Frame<'_>,
@@ -62,6 +65,7 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
 /// the first.
 pub struct Matcher {
     options: Options,
+    level: Level,
     pool: rayon::ThreadPool,
     pipeline: Box<dyn Pipeline>,
     map: DisparityMap,
@@ -80,9 +84,10 @@ impl Matcher {
                     allowed: format!("the system could not start them ({e}); ask for fewer"),
                 }
             })?;
-        let pipeline = presets::pipeline(&options)?;
+        let level = Level::chosen()?;
+        let pipeline = presets::pipeline(&options, level);
         let (map, profile) = (DisparityMap::default(), Profile::new());
-        Ok(Self { options, pool, pipeline, map, profile })
+        Ok(Self { options, level, pool, pipeline, map, profile })
     }
 
     /// The options it was built from.
@@ -90,10 +95,23 @@ impl Matcher {
         &self.options
     }
 
+    /// The vector instructions that it uses.
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
     /// Where the time of the last frame went: its stages in the order in which they ran. Empty before
     /// the first frame.
     pub fn profile(&self) -> &[Stage] {
         self.profile.stages()
+    }
+
+    /// Measures what this machine can do at the most, with the threads and instructions of this
+    /// matcher, in a fraction of a second: how far the stages of the last frame stand from that.
+    pub fn limits(&self) -> Limits {
+        let largest = self.profile().iter().map(Stage::bytes_per_run).max().unwrap_or(0);
+        let level = self.level;
+        self.pool.install(|| Limits::measure(level, largest))
     }
 
     /// The disparity of every pixel in `bounds` (the whole image without one), in pixels of the
@@ -149,6 +167,43 @@ mod tests {
     use super::*;
     use crate::Preset;
     use raster::Plane;
+
+    /// The profile of a preset on two images without a match.
+    fn profile(preset: Preset, memory: Option<usize>) -> Vec<Stage> {
+        let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
+        let images = [0, 40]
+            .map(|shift| Image::Grey8(Plane::from_fn(90, 50, |x, y| scramble(x + shift, y))));
+        let mut options = Options::new(preset, DisparityRange::new(0, 31).unwrap());
+        (options.threads, options.memory) = (1, memory);
+        let mut matcher = Matcher::new(options).unwrap();
+        matcher.compute(&images[0], &images[1], None).unwrap();
+        matcher.profile().to_vec()
+    }
+
+    #[test]
+    fn every_stage_of_every_preset_says_what_it_moves() {
+        for preset in Preset::ALL {
+            let stages = profile(preset, None);
+            assert!(stages.len() >= 4, "{preset}: {stages:?}");
+            for stage in stages {
+                assert!(stage.bytes > 0 && stage.runs > 0, "{preset}: {stage:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bands_of_sums_are_more_operations_and_no_more_matching() {
+        let operations = |memory| {
+            let stages = profile(Preset::Balanced, memory);
+            ["eight paths", "census"].map(|name| {
+                let stage = stages.iter().find(|stage| stage.name.contains(name));
+                stage.expect("balanced has it").operations
+            })
+        };
+        let ([whole, features], [bands, same]) = (operations(None), operations(Some(560_000)));
+        assert!(whole < bands && bands < 2 * whole, "{whole}, {bands}");
+        assert_eq!(features, same);
+    }
 
     #[test]
     fn what_cannot_fit_is_refused_with_the_size_that_would() {

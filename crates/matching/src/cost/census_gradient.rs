@@ -17,9 +17,10 @@ use super::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::LANES;
 use crate::optimization::semi_global::CostRows;
-use crate::prepare::census::{BITS, CensusRows};
+use crate::prepare::census::{self, BITS, CensusRows};
 use crate::prepare::gradient::steps_along_row;
 use crate::prepare::grey::GreyView;
+use crate::profile::Work;
 
 /// A difference of grey steps counts at most this.
 const LARGEST_STEP: u8 = 20;
@@ -70,7 +71,7 @@ fn mirror<T: Copy>(row: &[T], out: &mut [T]) {
 
 impl Features {
     /// Computes features of `rows` rows of an image from row `first` on: `take(words, steps, ..)`
-    /// puts those of a row in their place.
+    /// puts those of a row in their place. Both views of the image are read, words and steps written.
     fn compute(
         &mut self,
         level: Level,
@@ -78,7 +79,7 @@ impl Features {
         (first, rows): (usize, usize),
         columns: usize,
         take: impl Fn(&[u32], &[u8], &mut [u32], &mut [u8]) + Sync,
-    ) {
+    ) -> Work {
         let width = image.size().0;
         self.words.reset(columns, rows, 0);
         self.steps.reset(columns, rows, 0);
@@ -97,6 +98,13 @@ impl Features {
                 take(&scratch.words, &scratch.steps, words, steps);
             }
         });
+        let read = image.bytes(rows) + width * rows;
+        Work::bytes(read + self.bytes()) + Work::operations(census::OPERATIONS) * (width * rows)
+    }
+
+    /// Bytes of all words and steps.
+    fn bytes(&self) -> usize {
+        size_of_val(self.words.samples()) + size_of_val(self.steps.samples())
     }
 }
 
@@ -109,17 +117,20 @@ impl FeaturePair {
         [left, right]: [Seen<'_>; 2],
         space: &SearchSpace,
         rows: (usize, usize),
-    ) {
+    ) -> Work {
         let answered = space.first..=space.last;
-        self.left.compute(level, left, rows, space.columns(), |words, steps, to, to_steps| {
+        let columns = space.columns();
+        let left = self.left.compute(level, left, rows, columns, |words, steps, to, to_steps| {
             to.copy_from_slice(&words[answered.clone()]);
             to_steps.copy_from_slice(&steps[answered.clone()]);
         });
         let columns = space.width + 2 * space.lanes;
-        self.right.compute(level, right, rows, columns, |words, steps, to, to_steps| {
-            mirror(words, to);
-            mirror(steps, to_steps);
-        });
+        let right =
+            self.right.compute(level, right, rows, columns, |words, steps, to, to_steps| {
+                mirror(words, to);
+                mirror(steps, to_steps);
+            });
+        left + right
     }
 
     /// The costs over the search space that the features were computed for.
@@ -170,6 +181,10 @@ at_every_level! {
 }
 
 impl CostRows for CensusGradientRows<'_> {
+    /// Words are compared and their bits counted (of 32 bits), weighed by a product and a shift (of
+    /// 16); a difference of steps is three operations, bounding and adding it two.
+    const OPERATIONS: usize = 2 * 4 + 2 * 2 + 3 + 2;
+
     fn columns(&self) -> usize {
         self.space.columns()
     }
@@ -180,6 +195,10 @@ impl CostRows for CensusGradientRows<'_> {
 
     fn count(&self) -> usize {
         self.space.count
+    }
+
+    fn bytes(&self) -> usize {
+        self.features.left.bytes() + self.features.right.bytes()
     }
 
     fn fill_row(&self, y: usize, costs: &mut [u8]) {

@@ -13,11 +13,16 @@ use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
+use crate::profile::Work;
 
 /// What one census bit, a grey step and a grey difference count, the last two at most.
 const BIT: u8 = 5;
 const LARGEST_STEP: u8 = 20;
 const LARGEST_GREY: u8 = 10;
+
+/// Operations on bytes per pixel and disparity: words are compared, their bits counted and weighed; two
+/// differences of three each are bounded and added.
+pub(crate) const OPERATIONS: usize = 3 + 2 * (3 + 2);
 
 /// Columns that are compared together.
 pub(crate) const BLOCK: usize = 64;
@@ -29,7 +34,7 @@ pub(crate) struct Looks(Plane<u8>);
 
 impl Looks {
     /// Looks at rows `first..first + rows` of an image.
-    pub fn compute(&mut self, level: Level, image: &Plane<u8>, first: usize, rows: usize) {
+    pub fn compute(&mut self, level: Level, image: &Plane<u8>, first: usize, rows: usize) -> Work {
         let (columns, height) = image.size();
         self.0.reset(3 * columns, rows, 0);
         let looks = self.0.samples_mut().par_chunks_mut(3 * columns).enumerate();
@@ -42,10 +47,16 @@ impl Looks {
             steps_along_row(image.row(y), steps);
             grey.copy_from_slice(image.row(y));
         });
+        Work::bytes(columns * rows + self.bytes())
+    }
+
+    /// Bytes of all parts.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.0.samples())
     }
 
     /// The looks of the same image in a mirror.
-    pub fn mirrored(&self, out: &mut Looks) {
+    pub fn mirrored(&self, out: &mut Looks) -> Work {
         let columns = self.columns();
         out.0.reset(3 * columns, self.0.rows(), 0);
         let parts = self.0.samples().chunks(columns);
@@ -54,6 +65,7 @@ impl Looks {
             to.copy_from_slice(from);
             to.reverse();
         }
+        Work::bytes(self.bytes() + out.bytes())
     }
 
     pub fn columns(&self) -> usize {

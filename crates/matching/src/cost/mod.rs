@@ -54,6 +54,11 @@ impl SearchSpace {
         lowest as usize..(highest + 1).max(lowest) as usize
     }
 
+    /// How many pairs of a column and a disparity are tried in a row.
+    pub fn pairs(&self) -> usize {
+        (self.first..=self.last).map(|x| self.candidates(x).len()).sum()
+    }
+
     /// Where left column `x` meets the right image at disparity `min`, if that stands in a mirror:
     /// there larger disparities lie at larger columns. May lie outside the image.
     pub fn mirrored(&self, x: usize) -> i64 {

@@ -26,6 +26,10 @@ const MARGIN: usize = 16;
 pub const HIGHEST_RISE: i8 = 2;
 const _: () = assert!((HIGHEST_RISE as usize) < MARGIN);
 
+/// Operations on bytes per pixel and disparity of a row with four paths: each takes six and a minimum
+/// over all disparities, and their sum three of 16 bits.
+pub const OPERATIONS: usize = 4 * (6 + 1) + 3 * 2;
+
 /// `count` rounded up to whole groups.
 pub fn padded(count: usize) -> usize {
     count.div_ceil(LANES) * LANES

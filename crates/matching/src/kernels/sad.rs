@@ -44,6 +44,10 @@ const GROUP: usize = 64;
 /// Disparities that are compared together.
 const STEP: usize = 4;
 
+/// Operations on bytes per pixel and disparity: two differences of three each that are added and taken
+/// away; four additions of 16 bits along the row; two minima, a comparison and a choice of 16 bits.
+pub(crate) const OPERATIONS: usize = 2 * (3 + 1) + 4 * 2 + 4 * 2;
+
 /// How rows lie in memory: place `p` belongs to left column `first - RADIUS + p`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {

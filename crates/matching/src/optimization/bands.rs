@@ -80,6 +80,17 @@ impl Bands {
         self.spacings.into_iter().find(|&spacing| left > spacing)
     }
 
+    /// How many rows are done by the first sweep over a half of `rows` rows, those that are done again
+    /// included.
+    pub fn swept(&self, rows: usize) -> usize {
+        let (mut swept, mut left) = (rows, rows);
+        while let Some(spacing) = self.next(left) {
+            swept += self.swept(spacing);
+            left -= spacing;
+        }
+        swept
+    }
+
     /// Checkpoints that are kept at the same time in a half of `rows` rows.
     pub fn checkpoints(&self, rows: usize) -> usize {
         let [stretch, height] = self.spacings;
@@ -149,6 +160,14 @@ mod tests {
         assert_eq!(Bands::least(&volume(2000)), two_levels);
         // Eight times the rows, twice the memory.
         assert_eq!(megabytes(Bands::least(&volume(16_000)), 16_000), 234);
+    }
+
+    #[test]
+    fn every_level_of_checkpoints_sweeps_nearly_all_rows_once_more() {
+        let swept = |stretch, height| Bands::new(stretch, height).swept(100);
+        // The sums of the last band are held at once. With stretches of 50, the first is swept again,
+        // and of both all but the last band once more.
+        assert_eq!([swept(100, 100), swept(100, 10), swept(50, 10)], [100, 190, 230]);
     }
 
     #[test]

@@ -16,18 +16,23 @@ use std::ops::Range;
 use raster::View;
 
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::path::{AlongState, RowStates, RowTransitions, padded, paths_of_row};
+use crate::kernels::path::{self, AlongState, RowStates, RowTransitions, padded, paths_of_row};
 use crate::optimization::bands::{Bands, Checkpoints, Volume};
 use crate::optimization::surface_prior::SurfacePrior;
+use crate::profile::Work;
 
 /// Costs of a row of pixels, one byte each, made anew whenever they are needed.
 pub trait CostRows: Sync {
+    /// Operations on bytes per cost.
+    const OPERATIONS: usize;
     /// Pixels per row.
     fn columns(&self) -> usize;
     /// Rows.
     fn rows(&self) -> usize;
     /// Disparities per pixel.
     fn count(&self) -> usize;
+    /// Bytes that all of them are made from.
+    fn bytes(&self) -> usize;
     /// The costs of row `y`: per column `padded(count)` bytes, those past `count` 255.
     fn fill_row(&self, y: usize, costs: &mut [u8]);
 }
@@ -247,6 +252,26 @@ impl Trail {
     }
 }
 
+impl<C: CostRows> Shared<'_, C> {
+    /// What the sweeps amount to: for each row that one of them does, that of the costs, the guide and
+    /// the prior is read, and costs and paths are computed; sums are written by one sweep and read by
+    /// the other, which adds its own.
+    fn work(&self) -> Work {
+        let (columns, rows) = (self.costs.columns(), self.costs.rows());
+        let upper = SemiGlobal::middle(rows);
+        let swept =
+            rows + [upper, rows - upper].map(|half| self.bands.swept(half)).iter().sum::<usize>();
+        let read = self.costs.bytes() / rows
+            + columns
+            + self.prior.map_or(0, |prior| prior.bytes() / rows);
+        let pairs = columns * self.costs.count();
+        let row = Work::bytes(read) + Work::operations(C::OPERATIONS + path::OPERATIONS) * pairs;
+        let met = Work::bytes(2 * size_of::<u16>()) * self.pitch()
+            + Work::operations(size_of::<u16>()) * pairs;
+        row * swept + met * rows
+    }
+}
+
 impl SemiGlobal {
     /// The most memory that it takes for a volume.
     pub fn bytes(volume: &Volume, bands: Bands) -> usize {
@@ -273,7 +298,7 @@ impl SemiGlobal {
         penalties: &Penalties,
         bands: Bands,
         [finish_upper, finish_lower]: [F; 2],
-    ) {
+    ) -> Work {
         let (columns, rows, lanes) = (costs.columns(), costs.rows(), padded(costs.count()));
         assert_eq!(
             (guide.columns(), guide.rows()),
@@ -302,6 +327,7 @@ impl SemiGlobal {
             || lower.meet(down, up_again, &shared, finish_lower),
             || upper.meet(up, down_again, &shared, finish_upper),
         );
+        shared.work()
     }
 }
 
@@ -317,6 +343,8 @@ mod tests {
     }
 
     impl CostRows for Given {
+        const OPERATIONS: usize = 0;
+
         fn columns(&self) -> usize {
             self.columns
         }
@@ -325,6 +353,9 @@ mod tests {
         }
         fn count(&self) -> usize {
             self.count
+        }
+        fn bytes(&self) -> usize {
+            self.costs.len()
         }
         fn fill_row(&self, y: usize, costs: &mut [u8]) {
             let stride = padded(self.count);
@@ -429,6 +460,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn work_counted_by_hand() {
+        let input = given(4, 3, 5);
+        let costs = &input.0;
+        let bands = Bands::new(3, 3);
+        let guide = input.1.view();
+        let (level, penalties) = (Level::detect(), PENALTIES);
+        let shared = Shared { level, costs, guide, prior: None, penalties, bands };
+        // Either sweep does three rows: 20 bytes of costs and 4 of the guide, 34 operations for each
+        // of 20 costs. Sums of 4 x 32 are written and read, and 20 of them added to others.
+        let [bytes, operations] = [6 * 24 + 3 * 2 * 2 * 4 * 32, 6 * 34 * 20 + 3 * 2 * 20];
+        assert_eq!(shared.work(), Work::bytes(bytes) + Work::operations(operations));
     }
 
     #[test]

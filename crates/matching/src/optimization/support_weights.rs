@@ -21,9 +21,13 @@
 use raster::Plane;
 use rayon::prelude::*;
 
-use crate::cost::looks::{BLOCK, Comparison, Looks, RowsWithEnds};
+use crate::cost::looks::{self, BLOCK, Comparison, Looks, RowsWithEnds};
 use crate::kernels::level::{Level, at_every_level};
-use crate::optimization::support_window::{LANES, RADIUS, SIDE, Shades, Window, WindowRow, shades};
+use crate::kernels::median;
+use crate::optimization::support_window::{
+    self, LANES, RADIUS, SIDE, Shades, Window, WindowRow, shades,
+};
+use crate::profile::Work;
 use crate::refinement::plane_fit::Surface;
 use crate::refinement::slopes::slopes_of_row;
 
@@ -89,6 +93,14 @@ struct Band {
     marks: Vec<u16>,
 }
 
+/// What was done along edges.
+#[derive(Debug, Default, Clone, Copy)]
+struct Tried {
+    windows: usize,
+    /// In all windows.
+    surfaces: usize,
+}
+
 /// The memory of the method, kept between frames.
 #[derive(Default)]
 pub(crate) struct SupportWeights {
@@ -108,14 +120,16 @@ impl SupportWeights {
         8 * columns * rows + bands * (window + with_ends + 2 * columns)
     }
 
-    /// Lets every pixel of `values` (finite) take a neighbour's plane, into `out`.
+    /// Lets every pixel of `values` (finite) take a neighbour's plane, into `out`. Whatever the scene,
+    /// slopes are found, written and read, values read for them and for the planes, the looks of both
+    /// views read and compared, and new values written.
     pub fn refine(
         &mut self,
         level: Level,
         pair: &Pair<'_>,
         values: &Plane<f32>,
         out: &mut Plane<f32>,
-    ) {
+    ) -> Work {
         let (columns, rows) = values.size();
         self.along.reset(columns, rows, 0.0);
         self.down.reset(columns, rows, 0.0);
@@ -128,9 +142,21 @@ impl SupportWeights {
         let height = rows.div_ceil(BANDS * rayon::current_num_threads());
         self.bands.resize_with(rows.div_ceil(height), Band::default);
         let bands = out.samples_mut().par_chunks_mut(columns * height).zip(&mut self.bands);
-        bands.enumerate().for_each(|(i, (out, band))| {
-            band.refine(level, pair, &shades, &surfaces, i * height, out);
+        let tried = bands
+            .enumerate()
+            .map(|(i, (out, band))| band.refine(level, pair, &shades, &surfaces, i * height, out));
+        let tried = tried.reduce(Tried::default, |a, b| Tried {
+            windows: a.windows + b.windows,
+            surfaces: a.surfaces + b.surfaces,
         });
+        let (map, looks) = (size_of_val(values.samples()), pair.base.bytes() + pair.other.bytes());
+        // Two medians of numbers of 32 bits, not 16, and all disparities.
+        let pixel = Work::operations(2 * 2 * median::OPERATIONS)
+            + Work::operations(looks::OPERATIONS) * (pair.most - pair.least + 1) as usize;
+        Work::bytes((2 * 2 + 2 + 1) * map + looks)
+            + pixel * (columns * rows)
+            + Work::operations(support_window::OPERATIONS) * tried.windows
+            + Work::operations(support_window::OPERATIONS_PER_SURFACE) * tried.surfaces
     }
 }
 
@@ -144,7 +170,7 @@ impl Band {
         surfaces: &Surfaces<'_>,
         first: usize,
         out: &mut [f32],
-    ) {
+    ) -> Tried {
         let (columns, rows) = surfaces.values.size();
         let &Pair { base, other, least, most, .. } = pair;
         let what = Comparison {
@@ -157,6 +183,7 @@ impl Band {
             most,
         };
         let mut next = first.saturating_sub(RADIUS);
+        let mut tried = Tried::default();
         self.marks.resize(columns, 0);
         for (y, out) in (first..).zip(out.chunks_mut(columns)) {
             while next <= (y + RADIUS).min(rows - 1) {
@@ -167,8 +194,9 @@ impl Band {
             mark_row(level, surfaces, least as f32, most as f32, y, &mut self.marks);
             let row = |j: usize| (y + j).saturating_sub(RADIUS).min(rows - 1);
             let near = std::array::from_fn(|j| &self.rows[row(j) % SIDE]);
-            refine_row(level, least, most, near, surfaces, &self.marks, y, out);
+            refine_row(level, least, most, near, surfaces, &self.marks, y, &mut tried, out);
         }
+        tried
     }
 }
 
@@ -213,6 +241,7 @@ at_every_level! {
         surfaces: &Surfaces<'_>,
         marks: &[u16],
         y: usize,
+        tried: &mut Tried,
         out: &mut [f32],
     ) {
         let (columns, rows) = surfaces.values.size();
@@ -231,6 +260,8 @@ at_every_level! {
             let here = Surface { disparity: above(here.disparity), ..here };
             let mut limit = window.misfit(here) - MARGIN * window.total;
             let mut taken = false;
+            tried.windows += 1;
+            tried.surfaces += 1;
             for (n, (dx, dy)) in NEIGHBOURS.into_iter().enumerate() {
                 if !taken && marks[x] >> n & 1 == 0 {
                     continue;
@@ -245,6 +276,7 @@ at_every_level! {
                     continue;
                 }
                 let misfit = window.misfit(Surface { disparity: above(d), ..there });
+                tried.surfaces += 1;
                 if misfit < limit {
                     (result, limit) = (d, misfit);
                     taken = true;

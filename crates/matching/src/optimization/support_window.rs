@@ -67,6 +67,12 @@ impl WindowRow {
     }
 }
 
+/// Operations on bytes per window: two products, a minimum and a sum of 32 bits for each pixel.
+pub(crate) const OPERATIONS: usize = 4 * 4 * SIDE * SIDE;
+/// Operations on bytes per surface that is tried there, of 32 bits: for each pixel five to find its
+/// disparity, at least twice seven for the costs on both sides of it, and two to add them up.
+pub(crate) const OPERATIONS_PER_SURFACE: usize = (5 + 2 * 7 + 2) * 4 * SIDE * SIDE;
+
 /// The window of a pixel, shared by all its candidates.
 pub(crate) struct Window<'a> {
     rows: &'a [&'a WindowRow; SIDE],

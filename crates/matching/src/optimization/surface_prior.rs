@@ -17,6 +17,7 @@ use raster::Plane;
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
+use crate::profile::Work;
 use crate::refinement::plane_fit::Surface;
 
 /// Pixels that share a plane: a square with this side.
@@ -34,8 +35,9 @@ pub(crate) struct SurfacePrior {
 }
 
 impl SurfacePrior {
-    /// Surfaces of a checked map: `checked` has holes (NaN), `filled` none.
-    pub fn fit(&mut self, level: Level, checked: &Plane<f32>, filled: &Plane<f32>) {
+    /// Surfaces of a checked map: `checked` has holes (NaN), `filled` none. Both are read; those of the
+    /// cells are fitted where there is no hole, written and read, those of the pixels written.
+    pub fn fit(&mut self, level: Level, checked: &Plane<f32>, filled: &Plane<f32>) -> Work {
         let (columns, rows) = checked.size();
         let across = columns.div_ceil(CELL);
         self.cells.reset(across, rows.div_ceil(CELL), Surface::default());
@@ -66,6 +68,16 @@ impl SurfacePrior {
                 }
             }
         });
+        let maps = size_of_val(checked.samples()) + size_of_val(filled.samples());
+        let cells = self.cells.samples();
+        let fits = cells.iter().filter(|cell| !cell.disparity.is_nan()).count();
+        Work::bytes(maps + 2 * size_of_val(cells) + self.bytes())
+            + Work::operations(Surface::OPERATIONS) * fits
+    }
+
+    /// Bytes of the surfaces of all pixels.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.surfaces.samples())
     }
 
     /// The rises of row `y` on the last step of four paths: from the previous, the same and the

@@ -15,6 +15,8 @@ const REACH_Y: usize = 2;
 const ROWS: usize = 2 * REACH_Y + 1;
 /// Neighbours that are compared, hence the largest Hamming distance.
 pub(crate) const BITS: u8 = 32;
+/// Operations on bytes per pixel: each bit is a comparison of 16 bits that goes into a word of 32.
+pub(crate) const OPERATIONS: usize = BITS as usize * (2 + 4);
 
 /// Whether the neighbour at this place in the window has a bit.
 const fn has_bit(dx: usize, dy: usize) -> bool {

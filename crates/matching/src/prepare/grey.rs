@@ -5,6 +5,8 @@
 
 use raster::{Image, Plane, View};
 
+use crate::profile::Work;
+
 /// Grey samples of either depth, borrowed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum GreyView<'a> {
@@ -22,6 +24,14 @@ impl GreyView<'_> {
             Self::Depth16(view) => (view.columns(), view.rows()),
         }
     }
+
+    /// Bytes of so many rows.
+    pub fn bytes(&self, rows: usize) -> usize {
+        match self {
+            Self::Depth8(view) => view.columns() * rows,
+            Self::Depth16(view) => size_of::<u16>() * view.columns() * rows,
+        }
+    }
 }
 
 /// Where the grey of a colour image is kept.
@@ -36,6 +46,19 @@ fn luma([r, g, b]: [u32; 3]) -> u32 {
 }
 
 impl GreyBuffer {
+    /// What [`GreyBuffer::view`] does: three colours are read, one grey is written, after three
+    /// products, three sums and a division of 32 bits.
+    pub fn work(image: &Image) -> Work {
+        let colours = |size: usize| Work::bytes((3 + 1) * size) + Work::operations(7 * 4);
+        let pixel = match image {
+            Image::Grey8(_) | Image::Grey16(_) => Work::default(),
+            Image::Rgb8(_) => colours(1),
+            Image::Rgb16(_) => colours(2),
+        };
+        let (columns, rows) = image.size();
+        pixel * (columns * rows)
+    }
+
     /// The image's grey: borrowed from the image itself, or computed here from its colours.
     pub fn view<'a>(&'a mut self, image: &'a Image) -> GreyView<'a> {
         let (columns, rows) = image.size();

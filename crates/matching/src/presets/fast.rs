@@ -8,10 +8,11 @@ use crate::MatchError;
 use crate::aggregation::window::SlidingWindow;
 use crate::cost::SearchSpace;
 use crate::kernels::level::Level;
-use crate::kernels::median::{median_of_5_rows, rows_around};
+use crate::kernels::median::{self, median_of_5_rows, rows_around};
+use crate::kernels::sad;
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
-use crate::profile::Profile;
+use crate::profile::{Profile, Work};
 use crate::refinement::groups::Groups;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
@@ -66,24 +67,26 @@ impl Fast {
         let numbers = FixedPoint::new(&space);
         self.disparities.reset(columns, rows, HOLE);
         self.bands.resize_with(rows.div_ceil(height), Band::default);
+        let mut gaps = Work::default();
         if space.count > 0 {
-            self.find_winners(frame, &space, numbers, height, map);
-            profile.end("windows, winners, check");
-            let step = numbers.steps(GROUP_STEP);
-            self.groups.find(self.level, self.disparities.samples(), columns, step, height);
-            profile.end("speckles");
-            self.fill_gaps(frame, numbers, height, map);
+            let work = self.find_winners(frame, &space, numbers, height, map);
+            profile.end("windows, winners, check", work);
+            let (disparities, step) = (self.disparities.samples(), numbers.steps(GROUP_STEP));
+            let work = self.groups.find(self.level, disparities, columns, step, height);
+            profile.end("speckles", work);
+            gaps = self.fill_gaps(frame, numbers, height, map);
         }
         let any = self.fill_empty_rows(frame, numbers, map);
-        profile.end("gaps");
+        profile.end("gaps", gaps);
         if any {
-            self.smooth(frame, numbers, height, map);
-            profile.end("median");
+            let work = self.smooth(frame, numbers, height, map);
+            profile.end("median", work);
         }
         Ok(())
     }
 
-    /// Steps 1 to 6: disparities that the right view confirms, and their confidence.
+    /// Steps 1 to 6: disparities that the right view confirms, and their confidence. Both are written,
+    /// the grey of both images is read.
     fn find_winners(
         &mut self,
         frame: &Frame<'_>,
@@ -91,7 +94,7 @@ impl Fast {
         numbers: FixedPoint,
         height: usize,
         map: &mut DisparityMap,
-    ) {
+    ) -> Work {
         let (bounds, (width, image_height)) = (frame.bounds, frame.size());
         let (columns, level) = (bounds.columns(), self.level);
         let [left, right] = &mut self.grey;
@@ -112,16 +115,23 @@ impl Fast {
                     confirm_row(level, winners, space, numbers, opposite, disparities, confidence);
                 });
             });
+        let read = images.iter().map(|image| image.bytes(bounds.rows())).sum::<usize>();
+        let written = (size_of::<u16>() + size_of::<f32>()) * columns * bounds.rows();
+        Work::bytes(read + written)
+            + Work::operations(sad::OPERATIONS) * space.pairs() * bounds.rows()
+            + GreyBuffer::work(frame.left)
+            + GreyBuffer::work(frame.right)
     }
 
-    /// Steps 7 and 8, row by row: small groups out, gaps filled.
+    /// Steps 7 and 8, row by row: small groups out, gaps filled. Whatever these are, all runs are looked
+    /// at and all reasons written.
     fn fill_gaps(
         &mut self,
         frame: &Frame<'_>,
         numbers: FixedPoint,
         height: usize,
         map: &mut DisparityMap,
-    ) {
+    ) -> Work {
         let (bounds, (width, _)) = (frame.bounds, frame.size());
         let columns = bounds.columns();
         let least = LEAST_GROUP.min(columns * bounds.rows() / LEAST_PART);
@@ -149,6 +159,7 @@ impl Fast {
                 }
             },
         );
+        groups.looked_at() + Work::bytes(size_of::<Reason>()) * (columns * bounds.rows())
     }
 
     /// The rest of step 8: rows without any value. Says whether there was one at all; without, the
@@ -193,7 +204,7 @@ impl Fast {
         numbers: FixedPoint,
         height: usize,
         map: &mut DisparityMap,
-    ) {
+    ) -> Work {
         let (bounds, (width, _), level) = (frame.bounds, frame.size(), self.level);
         let columns = bounds.columns();
         let disparities = &self.disparities;
@@ -206,6 +217,8 @@ impl Fast {
                 row_in_pixels(level, numbers, &band.medians, values);
             }
         });
+        let pixel = Work::bytes(2 + 4) + Work::operations(median::OPERATIONS);
+        pixel * (columns * bounds.rows())
     }
 }
 

@@ -7,16 +7,16 @@ mod semi_global;
 use crate::ingredient::Ingredients;
 use crate::kernels::level::Level;
 use crate::matcher::Pipeline;
-use crate::{MatchError, Options, Preset};
+use crate::{Options, Preset};
 use semi_global::SemiGlobalMatching;
 
 /// The stages that the options ask for.
-pub(crate) fn pipeline(options: &Options) -> Result<Box<dyn Pipeline>, MatchError> {
+pub(crate) fn pipeline(options: &Options, level: Level) -> Box<dyn Pipeline> {
     match options.preset {
-        Preset::Fast => Ok(Box::new(fast::Fast::new(Level::chosen()?))),
+        Preset::Fast => Box::new(fast::Fast::new(level)),
         preset @ (Preset::Balanced | Preset::Best) => {
             let ingredients = Ingredients::of(preset, &options.without);
-            Ok(Box::new(SemiGlobalMatching::new(ingredients, Level::chosen()?, options.memory)))
+            Box::new(SemiGlobalMatching::new(ingredients, level, options.memory))
         }
     }
 }

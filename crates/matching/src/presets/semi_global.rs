@@ -16,14 +16,14 @@ use crate::cost::census_gradient::FeaturePair;
 use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
-use crate::kernels::median::{median_of_5_rows, rows_around};
+use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
-use crate::profile::Profile;
+use crate::profile::{Profile, Work};
 use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
@@ -120,7 +120,7 @@ impl SemiGlobalMatching {
 }
 
 /// The upper 8 bits of grey.
-fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) {
+fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) -> Work {
     let (columns, rows) = view.size();
     grey.reset(columns, rows, 0);
     for y in 0..rows {
@@ -132,21 +132,29 @@ fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) {
             }
         }
     }
+    Work::bytes(view.bytes(rows) + columns * rows)
 }
 
 /// The median of 3 x 3 pixels.
-fn small_median(level: Level, values: &Plane<f32>, out: &mut Plane<f32>) {
+fn small_median(level: Level, values: &Plane<f32>, out: &mut Plane<f32>) -> Work {
     let (columns, rows) = values.size();
     out.reset(columns, rows, 0.0);
     let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
     rows.for_each(|(y, out)| median_row(level, values, y, out));
+    Work::bytes(2 * size_of_val(values.samples()))
 }
 
 /// A map in fixed point.
-fn in_steps(level: Level, numbers: FixedPoint, values: &Plane<f32>, steps: &mut Plane<u16>) {
+fn in_steps(
+    level: Level,
+    numbers: FixedPoint,
+    values: &Plane<f32>,
+    steps: &mut Plane<u16>,
+) -> Work {
     steps.reset(values.columns(), values.rows(), 0);
     let rows = steps.samples_mut().par_chunks_mut(values.columns()).enumerate();
     rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
+    Work::bytes(size_of_val(values.samples()) + size_of_val(steps.samples()))
 }
 
 /// The part of the image that is matched to answer a box.
@@ -166,22 +174,22 @@ impl View {
     }
 
     /// Takes out what the other view does not confirm, and small groups.
-    fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) {
+    fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) -> Work {
         let Search { ingredients, level, numbers, width, .. } = search;
-        if ingredients.has(Ingredient::LeftRightCheck) {
-            cross_check(width, &mut self.map, other, other_first);
+        let checked = if ingredients.has(Ingredient::LeftRightCheck) {
+            cross_check(width, &mut self.map, other, other_first)
         } else {
-            self.accept();
-        }
+            self.accept()
+        };
         if !ingredients.has(Ingredient::SpeckleFilter) {
-            return;
+            return checked;
         }
         let ViewMap { values, reasons, .. } = &mut self.map;
         let (columns, rows) = values.size();
-        in_steps(level, numbers, values, &mut self.steps);
+        let written = in_steps(level, numbers, values, &mut self.steps);
         let step = numbers.steps(GROUP_STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
-        self.groups.find(level, self.steps.samples(), columns, step, height);
+        let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
         for y in 0..rows {
             for (run, size) in self.groups.runs(y) {
                 if size < LEAST_GROUP {
@@ -190,22 +198,24 @@ impl View {
                 }
             }
         }
+        checked + written + grouped + self.groups.looked_at()
     }
 
     /// Takes every disparity for a match.
-    fn accept(&mut self) {
+    fn accept(&mut self) -> Work {
         let ViewMap { values, reasons, .. } = &mut self.map;
         reasons.reset(values.columns(), values.rows(), Reason::OccludedHole);
         for (value, reason) in values.samples().iter().zip(reasons.samples_mut()) {
             *reason = if value.is_nan() { Reason::OccludedHole } else { Reason::Matched };
         }
+        Work::bytes(size_of_val(values.samples()) + size_of_val(reasons.samples()))
     }
 
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    fn refine(&mut self, search: Search, other: &Looks, weights: &mut SupportWeights) {
+    fn refine(&mut self, search: Search, other: &Looks, weights: &mut SupportWeights) -> Work {
         let Search { ingredients, level, width, range, .. } = search;
-        fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
-        small_median(level, &self.filled, &mut self.smooth);
+        let filled = fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
+        let smoothed = small_median(level, &self.filled, &mut self.smooth);
         let pair = Pair {
             base: &self.looks,
             other,
@@ -213,7 +223,7 @@ impl View {
             least: range.min(),
             most: range.max(),
         };
-        weights.refine(level, &pair, &self.smooth, &mut self.map.values);
+        filled + smoothed + weights.refine(level, &pair, &self.smooth, &mut self.map.values)
     }
 }
 
@@ -226,7 +236,7 @@ impl SemiGlobalMatching {
         search: Search,
         confidence: &mut [f32],
         follow: bool,
-    ) {
+    ) -> Work {
         let Search { ingredients, level, work, bands, width, .. } = search;
         let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
             true => PENALTIES,
@@ -250,7 +260,7 @@ impl SemiGlobalMatching {
                 Selection { level, space, sub_pixel, first, left, right, confidence, winners };
             move |y: usize, sums: &[u16]| rows.row(y, sums)
         });
-        self.optimizer.run(
+        let paths = self.optimizer.run(
             level,
             &self.features.costs(level, space),
             guide,
@@ -259,6 +269,7 @@ impl SemiGlobalMatching {
             bands,
             finish,
         );
+        paths + Selection::work(space) * work.rows()
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
@@ -269,16 +280,13 @@ impl SemiGlobalMatching {
         confidence: &mut [f32],
         profile: &mut Profile,
     ) {
-        self.left.check(search, &self.right.map.values, self.right.map.first);
+        let checked = self.left.check(search, &self.right.map.values, self.right.map.first);
+        profile.end(CHECK, checked);
         let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
-        profile.end(CHECK);
-        fill(ingredients, level, width, range, map, filled);
-        profile.end(FILL);
-        self.prior.fit(level, &map.values, filled);
-        profile.end("surfaces");
-        self.optimize(space, search, confidence, true);
-        profile.end(PATHS);
+        profile.end(FILL, fill(ingredients, level, width, range, map, filled));
+        profile.end("surfaces", self.prior.fit(level, &map.values, filled));
+        profile.end(PATHS, self.optimize(space, search, confidence, true));
     }
 
     /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
@@ -288,22 +296,25 @@ impl SemiGlobalMatching {
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
         raw.samples_mut().copy_from_slice(map.values.samples());
-        self.left.check(search, &self.right.map.values, self.right.map.first);
+        let copied = Work::bytes(2 * size_of_val(raw.samples()));
+        let left = self.left.check(search, &self.right.map.values, self.right.map.first);
+        profile.end(CHECK, copied + left);
         let both = search.ingredients.has(Ingredient::RightSupportWeights);
         if both {
-            self.right.check(search, &self.left.filled, self.left.map.first);
+            let right = self.right.check(search, &self.left.filled, self.left.map.first);
+            profile.end(CHECK, right);
         }
-        profile.end(CHECK);
         let [other_of_left, other_of_right] = &mut self.others;
-        self.left.looks.compute(search.level, &self.grey[0], work.y0, work.rows());
-        other_of_left.compute(search.level, &self.grey[1], work.y0, work.rows());
+        let mut done = self.left.looks.compute(search.level, &self.grey[0], work.y0, work.rows())
+            + other_of_left.compute(search.level, &self.grey[1], work.y0, work.rows());
         if both {
-            other_of_left.mirrored(&mut self.right.looks);
-            self.left.looks.mirrored(other_of_right);
-            self.right.refine(search, other_of_right, &mut self.weights);
+            done = done
+                + other_of_left.mirrored(&mut self.right.looks)
+                + self.left.looks.mirrored(other_of_right)
+                + self.right.refine(search, other_of_right, &mut self.weights);
         }
-        self.left.refine(search, other_of_left, &mut self.weights);
-        profile.end("support weights, with their fill");
+        done = done + self.left.refine(search, other_of_left, &mut self.weights);
+        profile.end("support weights, with their fill", done);
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -317,7 +328,7 @@ impl SemiGlobalMatching {
 
     /// The median of 5 x 5 pixels of the left view, which is there in fixed point, for a box of the
     /// image.
-    fn smooth(&mut self, search: Search, bounds: BoundingBox, values: &mut Plane<f32>) {
+    fn smooth(&mut self, search: Search, bounds: BoundingBox, values: &mut Plane<f32>) -> Work {
         let Search { ingredients, level, work, numbers, .. } = search;
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
         let width = values.columns();
@@ -338,6 +349,9 @@ impl SemiGlobalMatching {
                 row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
             }
         });
+        let median = if ingredients.has(Ingredient::Median) { median::OPERATIONS } else { 0 };
+        let pixel = Work::bytes(2 + 4) + Work::operations(median);
+        pixel * (bounds.columns() * bounds.rows())
     }
 }
 
@@ -373,10 +387,10 @@ impl Pipeline for SemiGlobalMatching {
         let (columns, rows) = (work.columns(), work.rows());
         let [left, right] = &mut self.buffers;
         let views = [left.view(frame.left), right.view(frame.right)];
-        for (view, grey) in views.into_iter().zip(&mut self.grey) {
-            copy_upper_bits(view, grey);
-        }
-        profile.end("grey");
+        let [left, right] = &mut self.grey;
+        let copied = copy_upper_bits(views[0], left) + copy_upper_bits(views[1], right);
+        let grey = GreyBuffer::work(frame.left) + GreyBuffer::work(frame.right);
+        profile.end("grey", grey + copied);
 
         let space = SearchSpace::new(width, work, frame.range);
         let bands = Needs::new(frame, work, &space, self.ingredients).bands(self.memory);
@@ -404,11 +418,10 @@ impl Pipeline for SemiGlobalMatching {
                 false => Some(Plane::filled(width, height, 0)),
             };
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
-            self.features.compute(level, seen, &space, (work.y0, rows));
-            profile.end("census and gradient");
+            let features = self.features.compute(level, seen, &space, (work.y0, rows));
+            profile.end("census and gradient", features);
             let confidence = &mut map.confidence.samples_mut()[work.y0 * width..];
-            self.optimize(&space, search, confidence, false);
-            profile.end(PATHS);
+            profile.end(PATHS, self.optimize(&space, search, confidence, false));
             if ingredients.has(Ingredient::SurfacePrior) {
                 self.follow_surfaces(&space, search, confidence, profile);
                 if ingredients.has(Ingredient::LastSurfaceRun) {
@@ -421,23 +434,23 @@ impl Pipeline for SemiGlobalMatching {
             if !ingredients.has(Ingredient::PathMargin) {
                 self.trust_agreement(width, confidence);
             }
-            self.left.check(search, &self.right.map.values, self.right.map.first);
-            profile.end(CHECK);
+            let checked = self.left.check(search, &self.right.map.values, self.right.map.first);
+            profile.end(CHECK, checked);
         } else {
             self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
         }
         let filled = &mut self.right.map.values;
-        fill(ingredients, level, width, range, &mut self.left.map, filled);
-        profile.end(FILL);
-        in_steps(level, search.numbers, filled, &mut self.left.steps);
+        let done = fill(ingredients, level, width, range, &mut self.left.map, filled);
+        profile.end(FILL, done);
+        let mut medians = in_steps(level, search.numbers, filled, &mut self.left.steps);
         // Without a search there is one value everywhere.
         let nowhere = filled.row(0)[0];
         map.values = std::mem::take(filled);
         map.values.reset(width, height, nowhere);
         if space.count > 0 {
-            self.smooth(search, bounds, &mut map.values);
+            medians = medians + self.smooth(search, bounds, &mut map.values);
         }
-        profile.end("median");
+        profile.end("median", medians);
         fill_around(&mut map.values, bounds, f32::NAN);
         fill_around(&mut map.confidence, bounds, 0.0);
 
@@ -456,7 +469,9 @@ impl Pipeline for SemiGlobalMatching {
                 }
             }
         }
-        profile.end("answer");
+        // Reasons are read and written; what becomes of the confidence depends on them.
+        let reasons = Work::bytes(2 * size_of::<Reason>());
+        profile.end("answer", reasons * (bounds.columns() * bounds.rows()));
         Ok(())
     }
 }

@@ -19,6 +19,7 @@ use super::plane_fit::Surface;
 use super::row_fill::{copy_nearest_rows, filled};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
+use crate::profile::Work;
 use crate::selection::cross_check::ViewMap;
 
 /// Ends of a hole that differ by no more, in pixels, may be of one surface ...
@@ -73,8 +74,9 @@ impl Hole {
     }
 
     /// Finds the slopes of the ends. The farther surface is looked at first: mostly the nearer one
-    /// stays in front of it whatever its slope, and then it does not matter.
-    fn find_slopes(&mut self, level: Level, values: &Plane<f32>, y: usize) {
+    /// stays in front of it whatever its slope, and then it does not matter. Says how many planes were
+    /// fitted.
+    fn find_slopes(&mut self, level: Level, values: &Plane<f32>, y: usize) -> usize {
         let reach = STEEPEST * self.columns.len() as f32;
         let (lower, higher) = match (&mut self.before, &mut self.after) {
             (Some(before), Some(after)) if before.value > after.value => {
@@ -82,7 +84,7 @@ impl Hole {
             }
             (before, after) => (before.as_mut(), after.as_mut()),
         };
-        let mut highest = f32::INFINITY;
+        let (mut highest, mut fits) = (f32::INFINITY, 0);
         for end in lower.into_iter().chain(higher) {
             if end.value - reach > highest {
                 break;
@@ -90,7 +92,9 @@ impl Hole {
             let slope = Surface::fit(level, values, end.column, y).along;
             end.slope = slope.clamp(-STEEPEST, STEEPEST);
             highest = end.value + end.slope.abs() * self.columns.len() as f32;
+            fits += 1;
         }
+        fits
     }
 
     /// What fills column `x`.
@@ -104,6 +108,7 @@ impl Hole {
 }
 
 /// Fills the holes of `view` into `out`; its reasons become `..Filled`. Every value lies in `range`.
+/// All values are read and written, and planes are fitted beside holes.
 pub(crate) fn fill(
     ingredients: Ingredients,
     level: Level,
@@ -111,7 +116,7 @@ pub(crate) fn fill(
     range: DisparityRange,
     view: &mut ViewMap,
     out: &mut Plane<f32>,
-) {
+) -> Work {
     let interpolates = ingredients.has(Ingredient::Interpolation);
     let continues = ingredients.has(Ingredient::PlaneFill);
     let (columns, rows) = view.values.size();
@@ -119,9 +124,10 @@ pub(crate) fn fill(
     let (first, values) = (view.first, &view.values);
     let (least, most) = (range.min() as f32, range.max() as f32);
     let reasons = view.reasons.samples_mut().par_chunks_mut(columns);
-    out.samples_mut().par_chunks_mut(columns).zip(reasons).enumerate().for_each(
-        |(y, (out, reasons))| {
-            let row = values.row(y);
+    let rows = out.samples_mut().par_chunks_mut(columns).zip(reasons).enumerate();
+    let fits = rows
+        .map(|(y, (out, reasons))| {
+            let (row, mut fits) = (values.row(y), 0);
             out.copy_from_slice(row);
             let mut x = 0;
             while x < columns {
@@ -138,7 +144,7 @@ pub(crate) fn fill(
                 let reasons = &mut reasons[hole.columns.clone()];
                 let is_hidden = reasons.iter().any(|&reason| hidden(reason));
                 if one_surface.is_none() && is_hidden && continues {
-                    hole.find_slopes(level, values, y);
+                    fits += hole.find_slopes(level, values, y);
                 }
                 for (u, reason) in hole.columns.clone().zip(reasons) {
                     let value = match one_surface {
@@ -149,15 +155,16 @@ pub(crate) fn fill(
                         }
                         None => match hole.value(u, hidden(*reason)) {
                             Some(value) => value,
-                            None => return,
+                            None => return fits,
                         },
                     };
                     out[u] = value.clamp(least, most);
                     *reason = filled(width, first + u, out[u], *reason);
                 }
             }
-        },
-    );
+            fits
+        })
+        .sum::<usize>();
     let nowhere = 0.clamp(range.min(), range.max()) as f32;
     let reasons = &mut view.reasons;
     copy_nearest_rows(out.samples_mut(), columns, f32::is_nan, nowhere, |y, row| {
@@ -165,6 +172,7 @@ pub(crate) fn fill(
             *reason = filled(width, x, value, *reason);
         }
     });
+    Work::bytes(2 * size_of_val(out.samples())) + Work::operations(Surface::OPERATIONS) * fits
 }
 
 #[cfg(test)]

@@ -30,6 +30,10 @@ const PADDED: usize = SIDE.next_multiple_of(LANES);
 const HOLE: f32 = 1e9;
 
 impl Surface {
+    /// Operations on bytes per fit: four rounds, which all take but those with hardly any support, of
+    /// 29 of 32 bits for each place of the window.
+    pub const OPERATIONS: usize = 4 * 29 * 4 * SIDE * SIDE;
+
     /// The surface that pixel `(x, y)`, which must have a value, lies on: a plane is fitted to the
     /// disparities around it, four times, each time to those near the plane before (Tukey's
     /// biweight). NaN values do not count.

@@ -5,7 +5,8 @@
 
 use crate::cost::SearchSpace;
 use crate::kernels::level::Level;
-use crate::selection::winner::{Winners, fraction, right_fraction};
+use crate::profile::Work;
+use crate::selection::winner::{self, Winners, fraction, right_fraction};
 
 /// A winner whose sum is so much below that of any other disparity has confidence 1/2.
 const HALF_SURE: f32 = 60.0;
@@ -29,6 +30,12 @@ pub(crate) struct Selection<'a> {
 }
 
 impl Selection<'_> {
+    /// What a row amounts to besides its sums: two disparities and a confidence are written.
+    pub fn work(space: &SearchSpace) -> Work {
+        let written = size_of::<f32>() * (2 * space.columns() + space.width);
+        Work::bytes(written) + Work::operations(winner::OPERATIONS) * space.pairs()
+    }
+
     /// Selects row `y` from its sums.
     pub fn row(&mut self, y: usize, sums: &[u16]) {
         let (space, row, columns) = (self.space, y - self.first, self.space.columns());

@@ -13,6 +13,10 @@ use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::LANES;
 
+/// Operations on bytes per pixel and disparity: a key and two minima of 32 bits, then a comparison and
+/// a minimum of 16.
+pub(crate) const OPERATIONS: usize = 3 * 4 + 2 * 2;
+
 /// A sum and its disparity in one number, the sum above: of two keys the smaller one wins. The
 /// largest stands for "no disparity could be tried".
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
