@@ -185,29 +185,34 @@ fn a_limit_to_the_memory_changes_nothing() {
 }
 
 #[test]
-fn a_profile_names_the_stages_and_adds_up() {
-    let folder = Folder::with_pair(64, 40);
+fn a_profile_names_the_stages_with_their_work_and_adds_up() {
+    let folder = Folder::with_pair(300, 100);
     for (matcher, stage) in
         [("fast", "windows"), ("balanced", "eight paths"), ("best", "support weights")]
     {
         let outcome = folder
             .run(&format!("match left.png right.png -o d.pfm -d 12 -m {matcher} --profile"))
             .done();
-        let lines: Vec<&str> = outcome.stdout.lines().collect();
-        assert!(
-            lines[0].starts_with("stage") && outcome.stdout.contains(stage),
-            "{}",
-            outcome.stdout
-        );
-        let ms = |line: &&str| -> f64 {
-            line.split_whitespace()
-                .find_map(|word| word.contains('.').then(|| word.parse().ok())?)
-                .unwrap()
+        let text = &outcome.stdout;
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].starts_with("stage") && text.contains(stage), "{text}");
+        let headings: Vec<&str> = lines[0].split("  ").map(str::trim).collect();
+        let named = ["stage", "ms", "share", "MB", "Mop", "limit ms", "due to", "times"];
+        assert!(named.iter().all(|name| headings.contains(name)), "{text}");
+        // The first numbers after the name: milliseconds, share, megabytes.
+        let number = |line: &str, place: usize| -> f64 {
+            line.split_whitespace().filter_map(|word| word.parse().ok()).nth(place).unwrap()
         };
-        let (all, stages) = lines[1..].split_last().unwrap();
-        let sum: f64 = stages.iter().map(ms).sum();
-        assert!((ms(all) - sum).abs() <= 0.001 * lines.len() as f64, "{}", outcome.stdout);
-        assert!(all.starts_with("all") && all.contains("MDE/s"), "{all}");
+        let at = lines.iter().position(|line| line.starts_with("all")).unwrap();
+        for (place, unit) in [(0, 0.001), (2, 0.1)] {
+            let sum: f64 = lines[1..at].iter().map(|line| number(line, place)).sum();
+            let rounding = unit * at as f64;
+            assert!((number(lines[at], place) - sum).abs() <= rounding, "{text}");
+        }
+        assert!(number(lines[at], 2) > 0.0 && number(lines[at], 3) > 0.0, "{text}");
+        let [rate, bytes, limit, measured] = lines[at + 1..] else { panic!("{text}") };
+        assert!(rate.contains("MDE/s; threads: ") && bytes.starts_with("MB: "), "{text}");
+        assert!(limit.starts_with("limit: ") && measured.contains("Gop/s"), "{text}");
     }
 }
 

@@ -3,27 +3,123 @@
 use std::fmt::Write;
 use std::time::Duration;
 
-use matching::{Options, Stage};
+use matching::{Limits, Matcher, Stage};
 use raster::BoundingBox;
 
-/// The stages with their times and shares, and the rate of all together.
-pub fn table(stages: &[Stage], options: &Options, bounds: BoundingBox) -> String {
-    let total: Duration = stages.iter().map(|stage| stage.time).sum();
+/// What there is to say of a stage, or of all together.
+struct Line<'a> {
+    name: &'a str,
+    time: Duration,
+    bytes: u64,
+    operations: u64,
+    limit: Duration,
+    /// What the limit is due to.
+    due: &'static str,
+}
+
+impl<'a> Line<'a> {
+    fn new(stage: &'a Stage, limits: &Limits) -> Self {
+        let &Stage { name, time, bytes, operations, .. } = stage;
+        let (memory, registers) = (limits.memory(stage), limits.operations(stage));
+        let due = if registers > memory { "operations" } else { "memory" };
+        Self { name, time, bytes, operations, limit: memory.max(registers), due }
+    }
+
+    /// All stages, one after the other.
+    fn all(stages: &[Self]) -> Line<'static> {
+        Line {
+            name: "all",
+            time: stages.iter().map(|stage| stage.time).sum(),
+            bytes: stages.iter().map(|stage| stage.bytes).sum(),
+            operations: stages.iter().map(|stage| stage.operations).sum(),
+            limit: stages.iter().map(|stage| stage.limit).sum(),
+            due: "",
+        }
+    }
+
+    fn row(&self, width: usize, all: Duration) -> String {
+        let Self { name, time, bytes, operations, limit, due } = self;
+        let millions = |number: u64| number as f64 / 1e6;
+        let operations = match operations {
+            0 => "-".to_owned(),
+            &number => format!("{:.1}", millions(number)),
+        };
+        let times = match limit.is_zero() {
+            true => "-".to_owned(),
+            false => format!("{:.1}", time.as_secs_f64() / limit.as_secs_f64()),
+        };
+        format!(
+            "{name:width$}  {:9.3}  {:3.0} %  {:8.1}  {operations:>8}  {:8.3}  {due:10}  {times:>6}",
+            1e3 * time.as_secs_f64(),
+            100.0 * time.as_secs_f64() / all.as_secs_f64(),
+            millions(*bytes),
+            1e3 * limit.as_secs_f64(),
+        )
+    }
+}
+
+/// The stages of the matcher's last frame with their times and shares, what was done in them, how fast
+/// that could be at the best, and how many times as long it took; then what these numbers are.
+pub fn table(matcher: &Matcher, bounds: BoundingBox) -> String {
+    let (options, limits) = (matcher.options(), matcher.limits());
+    let stages: Vec<_> = matcher.profile().iter().map(|s| Line::new(s, &limits)).collect();
+    let all = Line::all(&stages);
     let width = stages.iter().map(|stage| stage.name.len()).max().unwrap_or(0).max(5);
-    let ms = |time: Duration| 1e3 * time.as_secs_f64();
-    let mut text = format!("{:width$}  {:>9}  share\n", "stage", "ms");
-    for Stage { name, time, .. } in stages {
-        let share = 100.0 * time.as_secs_f64() / total.as_secs_f64();
-        _ = writeln!(text, "{name:width$}  {:9.3}  {share:3.0} %", ms(*time));
+    let mut text = format!(
+        "{:width$}  {:>9}  share  {:>8}  {:>8}  {:>8}  {:10}  {:>6}\n",
+        "stage", "ms", "MB", "Mop", "limit ms", "due to", "times"
+    );
+    for line in stages.iter().chain([&all]) {
+        _ = writeln!(text, "{}", line.row(width, all.time));
     }
     let disparities = bounds.columns() * bounds.rows() * options.range.count();
-    let rate = disparities as f64 / total.as_secs_f64() / 1e6;
-    _ = writeln!(
-        text,
-        "{:width$}  {:9.3}  {rate:.0} MDE/s, threads: {}",
-        "all",
-        ms(total),
-        options.threads
-    );
-    text
+    let rate = disparities as f64 / all.time.as_secs_f64() / 1e6;
+    let threads = options.threads;
+    _ = writeln!(text, "{rate:.0} MDE/s; threads: {threads}, {}", matcher.level().name());
+    text + &explanation(matcher.profile(), &limits)
+}
+
+/// What the numbers mean, and what was measured.
+fn explanation(stages: &[Stage], limits: &Limits) -> String {
+    let pieces = stages.iter().map(Stage::bytes_per_run);
+    let [most, least] = [pieces.clone().max(), pieces.min()].map(Option::unwrap_or_default);
+    let copies = [most, least].map(|piece| {
+        let rate = limits.bytes_per_second(piece) / 1e9;
+        format!("{rate:.1} GB/s with {:.1} MB at once", piece as f64 / 1e6)
+    });
+    format!(
+        "MB: planes that are read or written; Mop: million operations on bytes, - where they are not \
+         counted\n\
+         limit: copying as many bytes or doing as many operations in registers, whichever takes \
+         longer; times: the ms over the limit\n\
+         measured here and now: copies of {}, {}; {:.1} Gop/s\n",
+        copies[0],
+        copies[1],
+        limits.operations_per_second() / 1e9
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(name: &str, ms: u64, operations: u64, limit_us: u64) -> Line<'_> {
+        let (time, limit) = (Duration::from_millis(ms), Duration::from_micros(limit_us));
+        Line { name, time, bytes: 1_250_000, operations, limit, due: "memory" }
+    }
+
+    #[test]
+    fn rows_say_how_many_times_the_limit_a_stage_took() {
+        let stages = [line("paths", 30, 64_000_000, 2500), line("fill", 10, 0, 0)];
+        let all = Line::all(&stages);
+        let rows = stages.iter().chain([&all]).map(|stage| stage.row(5, all.time));
+        assert_eq!(
+            rows.collect::<Vec<_>>(),
+            [
+                "paths     30.000   75 %       1.2      64.0     2.500  memory        12.0",
+                "fill      10.000   25 %       1.2         -     0.000  memory           -",
+                "all       40.000  100 %       2.5      64.0     2.500                16.0",
+            ]
+        );
+    }
 }
