@@ -13,6 +13,8 @@ pub enum Ingredient {
     Gradient,
     /// A large penalty that falls with the grey step.
     AdaptiveP2,
+    /// Learned descriptors in the cost.
+    Descriptors,
     /// Paths that follow fitted planes.
     SurfacePrior,
     /// The last of the runs that follow planes.
@@ -23,6 +25,8 @@ pub enum Ingredient {
     SupportWeights,
     /// The same in the right view.
     RightSupportWeights,
+    /// Both once more.
+    SupportWeightsAgain,
     /// The check against the right view.
     LeftRightCheck,
     /// Small groups taken out.
@@ -52,14 +56,16 @@ const BALANCED: [Ingredient; 9] = [
     PathMargin,
 ];
 
-const BEST: [Ingredient; 13] = [
+const BEST: [Ingredient; 15] = [
     Gradient,
     AdaptiveP2,
+    Descriptors,
     SurfacePrior,
     LastSurfaceRun,
     SubPixel,
     SupportWeights,
     RightSupportWeights,
+    SupportWeightsAgain,
     LeftRightCheck,
     SpeckleFilter,
     Interpolation,
@@ -103,6 +109,11 @@ impl Ingredient {
                 "P2 falls where the grey value steps",
                 "P2 is the same everywhere, as large as on flat grey",
             ),
+            Descriptors => (
+                "descriptors",
+                "learned descriptors in the costs of pixels without a match, once the paths run again",
+                "census and gradient alone",
+            ),
             SurfacePrior => (
                 "surface-prior",
                 "two more runs of the paths, along the surfaces found",
@@ -127,6 +138,11 @@ impl Ingredient {
                 "right-support-weights",
                 "the same in the right view",
                 "the left view is checked against the paths' right one",
+            ),
+            SupportWeightsAgain => (
+                "support-weights-again",
+                "a second round of support weights, in the views that had the first",
+                "one round",
             ),
             LeftRightCheck => (
                 "left-right-check",

@@ -3,7 +3,8 @@
 //! Every stage says what its work amounts to at the least, beside the code that does it: the bytes of
 //! the planes that it goes through from beginning to end, once for each time that it does, and the
 //! operations on bytes that its formulas ask for (one on numbers of 16 or 32 bits counts as 2 or 4).
-//! What fits a row or two is not counted, since it stays in the nearest cache. How long that takes at the least, [`crate::Limits`] tells.
+//! What fits a row or two is not counted, since it stays in the nearest cache. How long that takes at
+//! the least, [`crate::Limits`] tells.
 
 use std::ops::{Add, Mul};
 use std::time::{Duration, Instant};

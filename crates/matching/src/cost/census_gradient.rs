@@ -1,14 +1,19 @@
-//! Census and gradient together: robust where exposures differ, sharp where objects end.
+//! Census and gradient together, robust where exposures differ, sharp where objects end; and learned
+//! descriptors for pixels that these two leave in doubt.
 //!
 //! ```text
-//! C(x, y, d) = 75 H / 64 + min(|G_L(x, y) - G_R(x - d, y)|, 20)
+//! C(x, y, d) = w H / 64 + min(|G_L(x, y) - G_R(x - d, y)|, 20) + v L / 64
 //! ```
 //!
 //! `H` is the Hamming distance of two census words (0 to 32), `G` the grey step along the row
-//! ([`crate::prepare::gradient`]). A census word does not know how large a step is, only its sign; a
+//! ([`crate::prepare::gradient`]), `L` the Hamming distance of two descriptors (0 to 64,
+//! [`crate::prepare::descriptor`]). A census word does not know how large a step is, only its sign; a
 //! difference of gradients does, and looks at three columns only, so it keeps edges where a window
 //! smears them. Truncated, it cannot outvote the census where gain differs (Mei et al., ICCV
-//! Workshops 2011, mix census and absolute differences in this way).
+//! Workshops 2011, mix census and absolute differences in this way). Descriptors see more of the
+//! surroundings, hence blur edges, so they speak in doubt alone ([`Weights`]).
+
+use std::ops::RangeInclusive;
 
 use raster::Plane;
 use rayon::prelude::*;
@@ -18,17 +23,33 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::LANES;
 use crate::optimization::semi_global::CostRows;
 use crate::prepare::census::{self, BITS, CensusRows};
+use crate::prepare::descriptor::Descriptors;
 use crate::prepare::gradient::steps_along_row;
 use crate::prepare::grey::GreyView;
 use crate::profile::Work;
 
 /// A difference of grey steps counts at most this.
 const LARGEST_STEP: u8 = 20;
-/// What a census bit counts, in 1/64.
-const BIT: u8 = 75;
-/// The largest cost.
-const LARGEST: u16 = (BITS as u16 * BIT as u16) / 64 + LARGEST_STEP as u16;
-const _: () = assert!(LARGEST < 128, "a path's state must fit a byte");
+
+/// What a bit counts, in 1/64.
+#[derive(Debug, Clone, Copy)]
+struct Weights {
+    /// Of census words.
+    census: u16,
+    /// Of descriptors.
+    descriptor: u16,
+}
+
+const CERTAIN: Weights = Weights::new(75, 0);
+const DOUBTFUL: Weights = Weights::new(46, 24);
+
+impl Weights {
+    const fn new(census: u16, descriptor: u16) -> Self {
+        let largest = (BITS as u16 * census + 64 * descriptor) / 64 + LARGEST_STEP as u16;
+        assert!(largest < 128, "a path's state must fit a byte");
+        Self { census, descriptor }
+    }
+}
 
 /// An image as census words see it, in all its bits, and as everything else does, in the upper 8.
 pub(crate) type Seen<'a> = (GreyView<'a>, &'a Plane<u8>);
@@ -38,6 +59,8 @@ pub(crate) type Seen<'a> = (GreyView<'a>, &'a Plane<u8>);
 struct Features {
     words: Plane<u32>,
     steps: Plane<u8>,
+    /// Empty where none are asked for.
+    descriptors: Plane<u64>,
     /// Of each band of rows.
     scratch: Vec<Scratch>,
 }
@@ -58,27 +81,43 @@ pub(crate) struct FeaturePair {
     /// disparity whose match lies outside the image is compared with the nearest column inside, so
     /// that paths can cross.
     right: Features,
+    network: Descriptors,
 }
 
-/// A row from right to left between two margins that repeat its ends.
-fn mirror<T: Copy>(row: &[T], out: &mut [T]) {
-    let margin = (out.len() - row.len()) / 2;
-    let (first, last) = (row[0], row[row.len() - 1]);
-    out[..margin].fill(last);
-    out[margin + row.len()..].fill(first);
-    out[margin..].iter_mut().zip(row.iter().rev()).for_each(|(to, &from)| *to = from);
+/// How a row of the whole image comes to stand in its features.
+#[derive(Clone)]
+enum Place {
+    /// Some of its columns.
+    Columns(RangeInclusive<usize>),
+    /// From right to left between two margins that repeat its ends.
+    Mirror,
+}
+
+impl Place {
+    fn put<T: Copy>(&self, row: &[T], out: &mut [T]) {
+        match self {
+            Place::Columns(columns) => out.copy_from_slice(&row[columns.clone()]),
+            Place::Mirror => {
+                let margin = (out.len() - row.len()) / 2;
+                let (first, last) = (row[0], row[row.len() - 1]);
+                out[..margin].fill(last);
+                out[margin + row.len()..].fill(first);
+                out[margin..].iter_mut().zip(row.iter().rev()).for_each(|(to, &from)| *to = from);
+            }
+        }
+    }
 }
 
 impl Features {
-    /// Computes features of `rows` rows of an image from row `first` on: `take(words, steps, ..)`
-    /// puts those of a row in their place. Both views of the image are read, words and steps written.
+    /// Computes features of `rows` rows of an image from row `first` on, `columns` in each. Both views
+    /// of the image are read, words and steps written.
     fn compute(
         &mut self,
         level: Level,
         (image, grey): Seen<'_>,
         (first, rows): (usize, usize),
         columns: usize,
-        take: impl Fn(&[u32], &[u8], &mut [u32], &mut [u8]) + Sync,
+        place: Place,
     ) -> Work {
         let width = image.size().0;
         self.words.reset(columns, rows, 0);
@@ -95,11 +134,29 @@ impl Features {
             for (y, (words, steps)) in (first + i * height..).zip(rows) {
                 scratch.census.words(level, image, y, &mut scratch.words);
                 steps_along_row(grey.row(y), &mut scratch.steps);
-                take(&scratch.words, &scratch.steps, words, steps);
+                place.put(&scratch.words, words);
+                place.put(&scratch.steps, steps);
             }
         });
         let read = image.bytes(rows) + width * rows;
         Work::bytes(read + self.bytes()) + Work::operations(census::OPERATIONS) * (width * rows)
+    }
+
+    /// Computes the descriptors of the same rows. The whole image is read once for its mean, then its
+    /// rows, and descriptors are written.
+    fn describe(
+        &mut self,
+        level: Level,
+        image: GreyView<'_>,
+        first: usize,
+        place: Place,
+        network: &mut Descriptors,
+    ) -> Work {
+        let (columns, rows) = self.words.size();
+        self.descriptors.reset(columns, rows, 0);
+        let put = |words: &[u64], out: &mut [u64]| place.put(words, out);
+        network.compute(level, image, first, &mut self.descriptors, put)
+            + Work::bytes(size_of_val(self.descriptors.samples()))
     }
 
     /// Bytes of all words and steps.
@@ -118,24 +175,35 @@ impl FeaturePair {
         space: &SearchSpace,
         rows: (usize, usize),
     ) -> Work {
-        let answered = space.first..=space.last;
-        let columns = space.columns();
-        let left = self.left.compute(level, left, rows, columns, |words, steps, to, to_steps| {
-            to.copy_from_slice(&words[answered.clone()]);
-            to_steps.copy_from_slice(&steps[answered.clone()]);
-        });
+        let place = Place::Columns(space.first..=space.last);
+        let left = self.left.compute(level, left, rows, space.columns(), place);
         let columns = space.width + 2 * space.lanes;
-        let right =
-            self.right.compute(level, right, rows, columns, |words, steps, to, to_steps| {
-                mirror(words, to);
-                mirror(steps, to_steps);
-            });
-        left + right
+        left + self.right.compute(level, right, rows, columns, Place::Mirror)
     }
 
-    /// The costs over the search space that the features were computed for.
-    pub fn costs<'a>(&'a self, level: Level, space: &'a SearchSpace) -> CensusGradientRows<'a> {
-        CensusGradientRows { level, features: self, space }
+    /// Computes the descriptors of the same rows from row `first` on.
+    pub fn describe(
+        &mut self,
+        level: Level,
+        [left, right]: [GreyView<'_>; 2],
+        space: &SearchSpace,
+        first: usize,
+    ) -> Work {
+        let Self { left: left_features, right: right_features, network } = self;
+        let place = Place::Columns(space.first..=space.last);
+        left_features.describe(level, left, first, place, network)
+            + right_features.describe(level, right, first, Place::Mirror, network)
+    }
+
+    /// The costs over the search space that the features were computed for. Where pixels are
+    /// `doubtful`, these must be with descriptors.
+    pub fn costs<'a>(
+        &'a self,
+        level: Level,
+        space: &'a SearchSpace,
+        doubtful: Option<&'a Plane<bool>>,
+    ) -> CensusGradientRows<'a> {
+        CensusGradientRows { level, features: self, space, doubtful }
     }
 }
 
@@ -144,38 +212,78 @@ pub(crate) struct CensusGradientRows<'a> {
     level: Level,
     features: &'a FeaturePair,
     space: &'a SearchSpace,
+    doubtful: Option<&'a Plane<bool>>,
 }
 
 at_every_level! {
     /// The costs of a row.
-    fn row_costs(features: &FeaturePair, space: &SearchSpace, y: usize, costs: &mut [u8]) {
-        let FeaturePair { left, right } = features;
+    fn row_costs(
+        features: &FeaturePair,
+        space: &SearchSpace,
+        y: usize,
+        doubtful: Option<&[bool]>,
+        costs: &mut [u8],
+    ) {
+        let FeaturePair { left, right, .. } = features;
         let (left_words, left_steps) = (left.words.row(y), left.steps.row(y));
         let (words, steps) = (right.words.row(y), right.steps.row(y));
         let farthest = (space.width + space.lanes) as i64;
         for (x, costs) in costs.chunks_exact_mut(space.lanes).enumerate() {
             let place = space.mirrored(space.first + x) + space.lanes as i64;
             let place = place.clamp(0, farthest) as usize;
+            let words = &words[place..place + space.lanes];
+            let steps = &steps[place..place + space.lanes];
             let (word, step) = (left_words[x], left_steps[x]);
-            let words = words[place..place + space.lanes].as_chunks::<LANES>().0;
-            let steps = steps[place..place + space.lanes].as_chunks::<LANES>().0;
-            let groups = costs.as_chunks_mut::<LANES>().0.iter_mut().zip(words).zip(steps);
-            for ((costs, words), steps) in groups {
-                // One loop per width of number, so that each fills its vectors.
-                let mut bits = [0u8; LANES];
-                for i in 0..LANES {
-                    bits[i] = (word ^ words[i]).count_ones() as u8;
-                }
-                for i in 0..LANES {
-                    let census = (u16::from(bits[i]) * u16::from(BIT) / 64) as u8;
-                    // `abs_diff` would go through 32 bits.
-                    let difference = step.max(steps[i]) - step.min(steps[i]);
-                    costs[i] = census + difference.min(LARGEST_STEP);
-                }
+            if doubtful.is_some_and(|doubtful| doubtful[x]) {
+                add_up(DOUBTFUL, (word, words), (step, steps), costs);
+                let descriptors = &right.descriptors.row(y)[place..place + space.lanes];
+                add_descriptors(DOUBTFUL, left.descriptors.row(y)[x], descriptors, costs);
+            } else {
+                add_up(CERTAIN, (word, words), (step, steps), costs);
             }
             if space.count < space.lanes {
                 costs[space.count..].fill(255);
             }
+        }
+    }
+}
+
+/// The costs of a pixel by census words and grey steps, its own and those that it is compared with.
+#[inline(always)]
+fn add_up(
+    weights: Weights,
+    (word, words): (u32, &[u32]),
+    (step, steps): (u8, &[u8]),
+    costs: &mut [u8],
+) {
+    let (words, steps) = (words.as_chunks::<LANES>().0, steps.as_chunks::<LANES>().0);
+    let groups = costs.as_chunks_mut::<LANES>().0.iter_mut().zip(words).zip(steps);
+    for ((costs, words), steps) in groups {
+        // One loop per width of number, so that each fills its vectors.
+        let mut bits = [0u8; LANES];
+        for i in 0..LANES {
+            bits[i] = (word ^ words[i]).count_ones() as u8;
+        }
+        for i in 0..LANES {
+            let census = (u16::from(bits[i]) * weights.census / 64) as u8;
+            // `abs_diff` would go through 32 bits.
+            let difference = step.max(steps[i]) - step.min(steps[i]);
+            costs[i] = census + difference.min(LARGEST_STEP);
+        }
+    }
+}
+
+/// What descriptors add to the costs of a pixel.
+#[inline(always)]
+fn add_descriptors(weights: Weights, descriptor: u64, descriptors: &[u64], costs: &mut [u8]) {
+    let descriptors = descriptors.as_chunks::<LANES>().0;
+    for (costs, descriptors) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(descriptors) {
+        let mut bits = [0u8; LANES];
+        for i in 0..LANES {
+            bits[i] = (descriptor ^ descriptors[i]).count_ones() as u8;
+        }
+        for i in 0..LANES {
+            costs[i] += (u16::from(bits[i]) * weights.descriptor / 64) as u8;
         }
     }
 }
@@ -202,7 +310,8 @@ impl CostRows for CensusGradientRows<'_> {
     }
 
     fn fill_row(&self, y: usize, costs: &mut [u8]) {
-        row_costs(self.level, self.features, self.space, y, costs);
+        let doubtful = self.doubtful.map(|doubtful| doubtful.row(y));
+        row_costs(self.level, self.features, self.space, y, doubtful, costs);
     }
 }
 
@@ -229,20 +338,32 @@ mod tests {
             steps_along_row(grey.row(y), &mut steps);
             steps[x]
         };
+        let descriptors = views.map(|(view, _)| {
+            let mut words = Plane::filled(40, 6, 0);
+            let put = |from: &[u64], to: &mut [u64]| to.copy_from_slice(from);
+            Descriptors::default().compute(Level::detect(), view, 0, &mut words, put);
+            words
+        });
         // The second range begins where no match lies inside.
         for (range, columns) in [((-4, 37), (5, 38)), ((10, 30), (0, 39)), ((-60, -31), (3, 12))] {
             let range = DisparityRange::new(range.0, range.1).unwrap();
             let bounds = BoundingBox::new(columns.0, 1, columns.1, 4).unwrap();
             let space = SearchSpace::new(40, bounds, range);
-            for level in Level::available() {
+            let doubtful = Plane::from_fn(space.columns(), 4, |x, y| (x + y) % 3 == 0);
+            for (level, doubtful) in
+                Level::available().into_iter().flat_map(|l| [(l, None), (l, Some(&doubtful))])
+            {
                 eprintln!("level {}", level.name());
                 let mut pair = FeaturePair::default();
                 pair.compute(level, views, &space, (1, 4));
-                let rows = pair.costs(level, &space);
+                pair.describe(level, views.map(|(view, _)| view), &space, 1);
+                let rows = pair.costs(level, &space, doubtful);
                 let mut costs = vec![0; space.columns() * space.lanes];
                 for y in 0..4 {
                     rows.fill_row(y, &mut costs);
                     for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
+                        let in_doubt = doubtful.is_some_and(|doubtful| doubtful.row(y)[x]);
+                        let weights = if in_doubt { DOUBTFUL } else { CERTAIN };
                         let x = x + space.first;
                         for (k, &cost) in costs[..space.count].iter().enumerate() {
                             let at = x as i64 - i64::from(space.min) - k as i64;
@@ -250,7 +371,11 @@ mod tests {
                             let bits =
                                 (word(views[0], x, y + 1) ^ word(views[1], at, y + 1)).count_ones();
                             let (a, b) = (step(views[0], x, y + 1), step(views[1], at, y + 1));
-                            let expected = bits * 75 / 64 + u32::from(a.abs_diff(b).min(20));
+                            let unlike =
+                                descriptors[0].row(y + 1)[x] ^ descriptors[1].row(y + 1)[at];
+                            let expected = bits * u32::from(weights.census) / 64
+                                + u32::from(a.abs_diff(b).min(20))
+                                + unlike.count_ones() * u32::from(weights.descriptor) / 64;
                             assert_eq!(u32::from(cost), expected, "({x}, {y}), {k}");
                         }
                         assert!(costs[space.count..].iter().all(|&c| c == 255));

@@ -12,6 +12,7 @@ use crate::matcher::Frame;
 use crate::optimization::bands::{Bands, Volume};
 use crate::optimization::semi_global::SemiGlobal;
 use crate::optimization::support_weights::SupportWeights;
+use crate::prepare::descriptor::Descriptors;
 use crate::refinement::groups::Groups;
 
 /// What semi-global sums take at most where no limit was given. Bands cost time, so the pairs of the
@@ -62,8 +63,14 @@ impl Needs {
         // The upper bits of both images.
         let images = 2 * all;
         let grey = (grey(frame.left) + grey(frame.right)) * all;
-        // Census words and steps of both, the right ones between margins.
-        let features = (4 + 1) * (part + wide + 2 * space.lanes * lines);
+        // Census words and steps of both, the right ones between margins; descriptors, and where they
+        // are asked for.
+        let places = part + wide + 2 * space.lanes * lines;
+        let features = (4 + 1) * places;
+        let descriptors = match ingredients.has(Ingredient::Descriptors) {
+            false => 0,
+            true => 8 * places + part + Descriptors::bytes(width),
+        };
         // Disparities and reasons of the left view, its fixed point and groups. The right view has
         // the memory of the answer.
         let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
@@ -87,7 +94,8 @@ impl Needs {
                 4 * part + right + looks + SupportWeights::bytes(width, lines, space.count)
             }
         };
-        let stages = images + grey + features + left + filled + prior + support_weights;
+        let stages =
+            images + grey + features + descriptors + left + filled + prior + support_weights;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }

@@ -40,6 +40,8 @@ const LEAST_GROUP: usize = 60;
 const GROUP_STEP: f32 = 1.0;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;
+/// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
+const SURE: f32 = 0.4;
 /// The confidence of a pixel that both cameras see, but that got its disparity from its neighbours.
 const MISMATCHED: f32 = 0.05;
 
@@ -47,6 +49,7 @@ const MISMATCHED: f32 = 0.05;
 const PATHS: &str = "costs, eight paths, winners";
 const CHECK: &str = "check, speckles";
 const FILL: &str = "fill";
+const SUPPORT_WEIGHTS: &str = "support weights, with their fill";
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
@@ -82,6 +85,8 @@ pub(crate) struct SemiGlobalMatching {
     buffers: [GreyBuffer; 2],
     grey: [Plane<u8>; 2],
     features: FeaturePair,
+    /// Pixels of the left view that both cameras should see and that no run has matched so far.
+    doubtful: Plane<bool>,
     optimizer: SemiGlobal,
     prior: SurfacePrior,
     /// Of each half of the rows.
@@ -107,6 +112,7 @@ impl SemiGlobalMatching {
             buffers: Default::default(),
             grey: Default::default(),
             features: FeaturePair::default(),
+            doubtful: Plane::default(),
             optimizer: SemiGlobal::default(),
             prior: SurfacePrior::default(),
             winners: Default::default(),
@@ -238,6 +244,8 @@ impl SemiGlobalMatching {
         follow: bool,
     ) -> Work {
         let Search { ingredients, level, work, bands, width, .. } = search;
+        let doubtful =
+            (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
         let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
             true => PENALTIES,
             false => Penalties { fall: 0.0, ..PENALTIES },
@@ -262,7 +270,7 @@ impl SemiGlobalMatching {
         });
         let paths = self.optimizer.run(
             level,
-            &self.features.costs(level, space),
+            &self.features.costs(level, space, doubtful),
             guide,
             follow.then_some(&self.prior),
             &penalties,
@@ -284,14 +292,42 @@ impl SemiGlobalMatching {
         profile.end(CHECK, checked);
         let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
+        if ingredients.has(Ingredient::Descriptors) {
+            let reasons = map.reasons.samples().iter();
+            for (doubtful, &reason) in self.doubtful.samples_mut().iter_mut().zip(reasons) {
+                *doubtful |= reason == Reason::MismatchedHole;
+            }
+        }
         profile.end(FILL, fill(ingredients, level, width, range, map, filled));
         profile.end("surfaces", self.prior.fit(level, &map.values, filled));
-        profile.end(PATHS, self.optimize(space, search, confidence, true));
+        let mut done = self.optimize(space, search, confidence, true);
+        if ingredients.has(Ingredient::Descriptors) {
+            done = done + self.reject_unsure(search, confidence);
+        }
+        profile.end(PATHS, done);
+    }
+
+    /// Takes out winners of pixels in doubt that are not clearly better than other disparities.
+    fn reject_unsure(&mut self, search: Search, confidence: &[f32]) -> Work {
+        let Search { work, width, .. } = search;
+        let values = &mut self.left.map.values;
+        let columns = values.columns();
+        let rows = values.samples_mut().chunks_exact_mut(columns).zip(confidence.chunks(width));
+        for (y, (values, confidence)) in rows.enumerate() {
+            let confidence = &confidence[work.x0..][..columns];
+            let doubtful = self.doubtful.row(y);
+            for ((value, &confidence), &doubtful) in values.iter_mut().zip(confidence).zip(doubtful)
+            {
+                if doubtful && confidence < SURE {
+                    *value = f32::NAN;
+                }
+            }
+        }
+        Work::bytes((4 + 4 + 1) * columns * work.rows())
     }
 
     /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
     fn sharpen(&mut self, search: Search, profile: &mut Profile) {
-        let work = search.work;
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
@@ -304,17 +340,26 @@ impl SemiGlobalMatching {
             let right = self.right.check(search, &self.left.filled, self.left.map.first);
             profile.end(CHECK, right);
         }
-        let [other_of_left, other_of_right] = &mut self.others;
-        let mut done = self.left.looks.compute(search.level, &self.grey[0], work.y0, work.rows())
-            + other_of_left.compute(search.level, &self.grey[1], work.y0, work.rows());
+        let [other_of_left, other_of_right] = &self.others;
+        let mut done = self.left.refine(search, other_of_left, &mut self.weights);
         if both {
+            done = done + self.right.refine(search, other_of_right, &mut self.weights);
+        }
+        profile.end(SUPPORT_WEIGHTS, done);
+    }
+
+    /// Looks at both images, in a mirror too where the right view is sharpened.
+    fn look(&mut self, search: Search) -> Work {
+        let Search { ingredients, level, work, .. } = search;
+        let [other_of_left, other_of_right] = &mut self.others;
+        let mut done = self.left.looks.compute(level, &self.grey[0], work.y0, work.rows())
+            + other_of_left.compute(level, &self.grey[1], work.y0, work.rows());
+        if ingredients.has(Ingredient::RightSupportWeights) {
             done = done
                 + other_of_left.mirrored(&mut self.right.looks)
-                + self.left.looks.mirrored(other_of_right)
-                + self.right.refine(search, other_of_right, &mut self.weights);
+                + self.left.looks.mirrored(other_of_right);
         }
-        done = done + self.left.refine(search, other_of_left, &mut self.weights);
-        profile.end("support weights, with their fill", done);
+        done
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -420,6 +465,11 @@ impl Pipeline for SemiGlobalMatching {
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
             let features = self.features.compute(level, seen, &space, (work.y0, rows));
             profile.end("census and gradient", features);
+            if ingredients.has(Ingredient::Descriptors) {
+                self.doubtful.reset(columns, rows, false);
+                let described = self.features.describe(level, views, &space, work.y0);
+                profile.end("descriptors", described);
+            }
             let confidence = &mut map.confidence.samples_mut()[work.y0 * width..];
             profile.end(PATHS, self.optimize(&space, search, confidence, false));
             if ingredients.has(Ingredient::SurfacePrior) {
@@ -429,7 +479,12 @@ impl Pipeline for SemiGlobalMatching {
                 }
             }
             if ingredients.has(Ingredient::SupportWeights) {
+                let looked = self.look(search);
+                profile.end(SUPPORT_WEIGHTS, looked);
                 self.sharpen(search, profile);
+                if ingredients.has(Ingredient::SupportWeightsAgain) {
+                    self.sharpen(search, profile);
+                }
             }
             if !ingredients.has(Ingredient::PathMargin) {
                 self.trust_agreement(width, confidence);

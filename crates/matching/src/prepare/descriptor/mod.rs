@@ -1,0 +1,86 @@
+//! Learned descriptors: 64 bits per pixel whose Hamming distance tells how unlike two places are.
+//!
+//! A small convolutional network is trained to tell the right match of a pixel from all others of its
+//! row (MC-CNN: Zbontar & LeCun, JMLR 2016; as a choice among disparities: Luo, Schwing & Urtasun, CVPR
+//! 2016). It looks at some 40 x 40 pixels, so it tells places apart that census words cannot: walls
+//! with little texture, roads, gloss. And it blurs edges that census words keep, which is why it is
+//! asked where they failed only (`cost/census_gradient.rs`).
+//!
+//! `training/descriptor.py` made the weights (75 857 numbers), from pairs of Middlebury 2005, 2006 and
+//! 2014 (Scharstein & Pal 2007, Hirschmueller & Scharstein 2007, Scharstein et al. 2014), KITTI 2015
+//! (Menze & Geiger 2015), ETH3D (Schoeps et al. 2017), SceneFlow (Mayer et al. 2016) and rendered ones.
+
+mod layer;
+mod network;
+mod normalized;
+
+use raster::Plane;
+use rayon::prelude::*;
+
+use self::network::Stream;
+use self::normalized::Normalized;
+use crate::kernels::level::{Level, at_every_level};
+use crate::prepare::grey::GreyView;
+use crate::profile::Work;
+
+/// The memory of the network, kept between frames.
+#[derive(Debug, Default)]
+pub(crate) struct Descriptors {
+    /// Of each band of rows.
+    bands: Vec<Band>,
+}
+
+/// The memory of a band of rows.
+#[derive(Debug, Default)]
+struct Band {
+    stream: Stream,
+    row: Vec<u64>,
+}
+
+impl Descriptors {
+    /// What it takes for images of so many columns.
+    pub fn bytes(columns: usize) -> usize {
+        let band = Stream::bytes(columns) + size_of::<u64>() * columns;
+        network::WEIGHT_BYTES + rayon::current_num_threads() * band
+    }
+
+    /// The descriptors of as many rows of an image as `out` has, from row `first` on: `put(row, out)`
+    /// copies those of a row to their place. The image is read once for its mean and once for its rows.
+    pub fn compute(
+        &mut self,
+        level: Level,
+        image: GreyView<'_>,
+        first: usize,
+        out: &mut Plane<u64>,
+        put: impl Fn(&[u64], &mut [u64]) + Sync,
+    ) -> Work {
+        let (width, height) = image.size();
+        let read = image.bytes(height) + image.bytes(out.rows());
+        let image = Normalized::new(image);
+        let (columns, rows) = out.size();
+        let height = rows.div_ceil(rayon::current_num_threads());
+        self.bands.resize_with(rows.div_ceil(height), Band::default);
+        let bands = out.samples_mut().par_chunks_mut(columns * height).zip(&mut self.bands);
+        bands.enumerate().for_each(|(i, (out, Band { stream, row }))| {
+            stream.begin(width);
+            row.resize(width, 0);
+            for (y, out) in (first + i * height..).zip(out.chunks_exact_mut(columns)) {
+                signs(level, stream.row(level, &image, y), row);
+                put(row, out);
+            }
+        });
+        Work::bytes(read) + Work::operations(network::OPERATIONS) * (width * rows)
+    }
+}
+
+at_every_level! {
+    /// A bit per channel: whether it is above zero.
+    fn signs(pixels: &[f32], words: &mut [u64]) {
+        for (word, channels) in words.iter_mut().zip(pixels.as_chunks::<64>().0) {
+            *word = 0;
+            for (i, &channel) in channels.iter().enumerate() {
+                *word |= u64::from(channel > 0.0) << i;
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What the network sees of an image: how far its grey values lie from their mean, in spreads.
+//!
+//! ```text
+//! (I - mean) / (deviation + 4)
+//! ```
+//!
+//! with `I` in 0 to 255, so that exposure and gain of a camera do not matter; the 4 keeps the noise of
+//! a flat image small.
+
+use crate::prepare::grey::GreyView;
+
+/// Added to the standard deviation, in grey values of 8 bits.
+const FLAT: f64 = 4.0;
+
+/// An image with its mean and spread.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Normalized<'a> {
+    image: GreyView<'a>,
+    mean: f32,
+    scale: f32,
+}
+
+impl<'a> Normalized<'a> {
+    pub fn new(image: GreyView<'a>) -> Self {
+        // Sums of whole numbers: the same in any order.
+        let moments = |samples: &mut dyn Iterator<Item = u64>| {
+            samples
+                .fold((0u64, 0u64, 0u64), |(n, sum, squares), v| (n + 1, sum + v, squares + v * v))
+        };
+        let (columns, rows) = image.size();
+        let (mut n, mut sum, mut squares) = (0, 0, 0u128);
+        for y in 0..rows {
+            let (row_n, row_sum, row_squares) = match image {
+                GreyView::Depth8(view) => moments(&mut view.row(y).iter().map(|&v| v.into())),
+                GreyView::Depth16(view) => moments(&mut view.row(y).iter().map(|&v| v.into())),
+            };
+            n += row_n;
+            sum += row_sum;
+            squares += u128::from(row_squares);
+        }
+        debug_assert_eq!(n as usize, columns * rows);
+        let unit = match image {
+            GreyView::Depth8(_) => 1.0,
+            GreyView::Depth16(_) => 257.0,
+        };
+        let spread = u128::from(n) * squares - u128::from(sum) * u128::from(sum);
+        let pairs = (n as f64) * (n.max(2) - 1) as f64;
+        let deviation = (spread as f64 / pairs).sqrt();
+        Self {
+            image,
+            mean: (sum as f64 / n as f64) as f32,
+            scale: (1.0 / (deviation + FLAT * unit)) as f32,
+        }
+    }
+
+    pub fn rows(&self) -> usize {
+        self.image.size().1
+    }
+
+    /// Row `y` into the first of `out`, its end repeated once or more, and zeros after.
+    pub fn row(&self, y: usize, out: &mut [f32]) {
+        let (columns, rows) = self.image.size();
+        let y = y.min(rows - 1);
+        let value = |v: f32| (v - self.mean) * self.scale;
+        match self.image {
+            GreyView::Depth8(view) => {
+                out.iter_mut().zip(view.row(y)).for_each(|(to, &v)| *to = value(v.into()));
+            }
+            GreyView::Depth16(view) => {
+                out.iter_mut().zip(view.row(y)).for_each(|(to, &v)| *to = value(v.into()));
+            }
+        }
+        let last = out[columns - 1];
+        out[columns..columns.next_multiple_of(super::network::WHOLE)].fill(last);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raster::Plane;
+
+    fn rows(image: GreyView<'_>) -> Vec<f32> {
+        let normalized = Normalized::new(image);
+        let mut out = vec![0.0; 8 * 5];
+        out.chunks_exact_mut(8).enumerate().for_each(|(y, row)| normalized.row(y, row));
+        out
+    }
+
+    #[test]
+    fn depth_does_not_matter_and_ends_are_repeated() {
+        let image = Plane::<u8>::from_fn(7, 5, |x, y| (x * x * 5 + y * 11) as u8);
+        let deep = Plane::<u16>::from_fn(7, 5, |x, y| 257 * u16::from(image.row(y)[x]));
+        let [small, large] =
+            [GreyView::Depth8(image.view()), GreyView::Depth16(deep.view())].map(rows);
+        for (a, b) in small.iter().zip(&large) {
+            assert!((a - b).abs() < 1e-5, "{a} {b}");
+        }
+        assert_eq!(small[7], small[6]);
+        // 35 values: mean 0, spread a little below 1.
+        let inside = || small.chunks_exact(8).flat_map(|row| &row[..7]);
+        let mean = inside().sum::<f32>() / 35.0;
+        let spread = inside().map(|v| v * v).sum::<f32>() / 34.0;
+        assert!(mean.abs() < 1e-5 && (0.8..1.0).contains(&spread), "{mean} {spread}");
+    }
+
+    #[test]
+    fn a_flat_image_is_zero() {
+        let image = Plane::<u8>::from_fn(7, 5, |_, _| 93);
+        assert!(rows(GreyView::Depth8(image.view())).iter().all(|&v| v == 0.0));
+    }
+}
