@@ -129,12 +129,39 @@ pub struct RowTransitions {
     pub rise: [Vec<i8>; 4],
 }
 
+/// States, costs or sums of one group of disparities.
+type Group<T> = [T; LANES];
+
+/// The states of a pixel before: of every group `d - 1`, `d` and `d + 1`. Cut once per column, so that
+/// nothing is left to check per group.
+#[derive(Clone, Copy)]
+struct Around<'a>([&'a [Group<u8>]; 3]);
+
+impl<'a> Around<'a> {
+    #[inline(always)]
+    fn new(states: &'a [u8], first: usize, count: usize) -> Self {
+        let window = &states[first - 1..][..count * LANES + 2];
+        Self([groups(window, count), groups(&window[1..], count), groups(&window[2..], count)])
+    }
+}
+
+/// The first groups of a slice.
+#[inline(always)]
+fn groups(samples: &[u8], count: usize) -> &[Group<u8>] {
+    &samples.as_chunks().0[..count]
+}
+
 /// One step of one path for one group of disparities; the definition above.
 #[inline(always)]
-fn step(cost: &[u8; LANES], before: &[u8], at: usize, least: u8, p1: u8, p2: u8) -> [u8; LANES] {
-    let same: &[u8; LANES] = before[at..at + LANES].try_into().expect("a whole group");
-    let down: &[u8; LANES] = before[at - 1..at - 1 + LANES].try_into().expect("a whole group");
-    let up: &[u8; LANES] = before[at + 1..at + 1 + LANES].try_into().expect("a whole group");
+fn step(
+    cost: &Group<u8>,
+    before: Around<'_>,
+    group: usize,
+    least: u8,
+    p1: u8,
+    p2: u8,
+) -> Group<u8> {
+    let [down, same, up] = [&before.0[0][group], &before.0[1][group], &before.0[2][group]];
     let jump = least.saturating_add(p2);
     let mut after = [0; LANES];
     for i in 0..LANES {
@@ -146,12 +173,8 @@ fn step(cost: &[u8; LANES], before: &[u8], at: usize, least: u8, p1: u8, p2: u8)
 }
 
 #[inline(always)]
-fn least_of(values: &[u8; LANES]) -> u8 {
-    let mut half = [0u8; 16];
-    for i in 0..16 {
-        half[i] = values[i].min(values[i + 16]);
-    }
-    half.into_iter().fold(255, u8::min)
+fn least_of(values: &Group<u8>) -> u8 {
+    values.iter().fold(255, |least, &value| least.min(value))
 }
 
 at_every_level! {
@@ -173,52 +196,56 @@ at_every_level! {
     ) {
         let columns = cost.len() / count;
         let stride = count + 2 * MARGIN;
+        let lanes = count / LANES;
         let [mut old, mut new] = along.states.each_mut().map(|s| &mut s[..]);
         old[MARGIN..MARGIN + count].fill(0);
         let mut along_least = 0u8;
         let [after0, after1, after2] = after.states.each_mut().map(|s| &mut s[..]);
         for step_at in 0..columns {
             let x = if REVERSE { columns - 1 - step_at } else { step_at };
-            let cost = &cost[x * count..][..count];
-            let sum = &mut sum[x * count..][..count];
-            // Column x of the image is column x + 1 of the states.
-            let from0 = &before.states[0][x * stride..][..stride];
-            let from1 = &before.states[1][(x + 1) * stride..][..stride];
-            let from2 = &before.states[2][(x + 2) * stride..][..stride];
-            let least = [before.least[0][x], before.least[1][x + 1], before.least[2][x + 2]];
-            let to0 = &mut after0[(x + 1) * stride + MARGIN..][..count];
-            let to1 = &mut after1[(x + 1) * stride + MARGIN..][..count];
-            let to2 = &mut after2[(x + 1) * stride + MARGIN..][..count];
-            let p2: [u8; 4] = std::array::from_fn(|path| transitions.p2[path][x]);
+            let cost = groups(&cost[x * count..][..count], lanes);
+            let sum = &mut sum[x * count..][..count].as_chunks_mut::<LANES>().0[..lanes];
             // Where each path reads the state before.
-            let from: [usize; 4] = std::array::from_fn(|path| {
+            let first: [usize; 4] = std::array::from_fn(|path| {
                 let rise = transitions.rise[path][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
                 (MARGIN as isize - isize::from(rise)) as usize
             });
+            // Column x of the image is column x + 1 of the states.
+            let from0 = Around::new(&before.states[0][x * stride..][..stride], first[0], lanes);
+            let from1 = Around::new(&before.states[1][(x + 1) * stride..][..stride], first[1], lanes);
+            let from2 = Around::new(&before.states[2][(x + 2) * stride..][..stride], first[2], lanes);
+            let from3 = Around::new(old, first[3], lanes);
+            let least = [before.least[0][x], before.least[1][x + 1], before.least[2][x + 2]];
+            let to = (x + 1) * stride + MARGIN;
+            let to0 = &mut after0[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let to1 = &mut after1[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let to2 = &mut after2[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let to3 = &mut new[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let p2: [u8; 4] = std::array::from_fn(|path| transitions.p2[path][x]);
             let mut lowest = [[255u8; LANES]; 4];
-            let mut at = 0;
-            while at < count {
-                let c: &[u8; LANES] = cost[at..at + LANES].try_into().expect("a whole group");
-                let l0 = step(c, from0, from[0] + at, least[0], p1, p2[0]);
-                let l1 = step(c, from1, from[1] + at, least[1], p1, p2[1]);
-                let l2 = step(c, from2, from[2] + at, least[2], p1, p2[2]);
-                let l3 = step(c, old, from[3] + at, along_least, p1, p2[3]);
-                to0[at..at + LANES].copy_from_slice(&l0);
-                to1[at..at + LANES].copy_from_slice(&l1);
-                to2[at..at + LANES].copy_from_slice(&l2);
-                new[MARGIN + at..MARGIN + at + LANES].copy_from_slice(&l3);
-                let s: &mut [u16; LANES] =
-                    (&mut sum[at..at + LANES]).try_into().expect("a whole group");
+            for group in 0..lanes {
+                let c = &cost[group];
+                let l0 = step(c, from0, group, least[0], p1, p2[0]);
+                let l1 = step(c, from1, group, least[1], p1, p2[1]);
+                let l2 = step(c, from2, group, least[2], p1, p2[2]);
+                let l3 = step(c, from3, group, along_least, p1, p2[3]);
+                to0[group] = l0;
+                to1[group] = l1;
+                to2[group] = l2;
+                to3[group] = l3;
+                // One loop per width of number, so that each fills its vectors.
+                let s = &mut sum[group];
                 for i in 0..LANES {
                     let four =
                         u16::from(l0[i]) + u16::from(l1[i]) + u16::from(l2[i]) + u16::from(l3[i]);
                     s[i] = if ADD { s[i] + four } else { four };
+                }
+                for i in 0..LANES {
                     lowest[0][i] = lowest[0][i].min(l0[i]);
                     lowest[1][i] = lowest[1][i].min(l1[i]);
                     lowest[2][i] = lowest[2][i].min(l2[i]);
                     lowest[3][i] = lowest[3][i].min(l3[i]);
                 }
-                at += LANES;
             }
             for path in 0..3 {
                 after.least[path][x + 1] = least_of(&lowest[path]);
