@@ -45,6 +45,16 @@ impl Window {
     pub const fn weights(self) -> usize {
         self.side * self.side * self.from * self.to
     }
+
+    /// The rows of the input that the window at row `y` of `rows` sees, above, at and below its middle;
+    /// none beyond the border, and none beside the middle of a single pixel.
+    pub fn rows(self, y: usize, rows: usize) -> [Option<usize>; 3] {
+        let middle = y * self.stride;
+        [0, 1, 2].map(|row| {
+            let row = (middle + row).checked_sub(1)?;
+            (row < rows * self.stride && (self.side == 3 || row == middle)).then_some(row)
+        })
+    }
 }
 
 /// The weights of a convolution: `values[group][row][column][channel in][lane]` with a group of
@@ -77,14 +87,22 @@ at_every_level! {
             for first in (0..shape.columns).step_by(PIXELS) {
                 let mut sums = [*offsets; PIXELS];
                 for (row, values) in rows.iter().zip(values.chunks_exact(side * from)) {
-                    let reach = ((PIXELS - 1) * stride + side) * from;
-                    let row = &row[border + first * stride * from..][..reach];
                     // The pixels of a window lie together: columns and channels are one.
+                    let next = stride * from;
+                    let row = &row[border + first * next..];
+                    let windows = [
+                        &row[..values.len()],
+                        &row[next..][..values.len()],
+                        &row[2 * next..][..values.len()],
+                        &row[3 * next..][..values.len()],
+                        &row[4 * next..][..values.len()],
+                        &row[5 * next..][..values.len()],
+                    ];
                     for (i, values) in values.iter().enumerate() {
-                        for (p, sums) in sums.iter_mut().enumerate() {
-                            let sample = row[p * stride * from + i];
+                        for p in 0..PIXELS {
+                            let sample = windows[p][i];
                             for lane in 0..LANES {
-                                sums[lane] += sample * values[lane];
+                                sums[p][lane] += sample * values[lane];
                             }
                         }
                     }

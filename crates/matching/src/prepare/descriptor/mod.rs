@@ -6,7 +6,7 @@
 //! with little texture, roads, gloss. And it blurs edges that census words keep, which is why it is
 //! asked where they failed only (`cost/census_gradient.rs`).
 //!
-//! `training/descriptor.py` made the weights (75 857 numbers), from pairs of Middlebury 2005, 2006 and
+//! `training/descriptor.py` made the weights (75 856 numbers), from pairs of Middlebury 2005, 2006 and
 //! 2014 (Scharstein & Pal 2007, Hirschmueller & Scharstein 2007, Scharstein et al. 2014), KITTI 2015
 //! (Menze & Geiger 2015), ETH3D (Schoeps et al. 2017), SceneFlow (Mayer et al. 2016) and rendered ones.
 

@@ -98,6 +98,9 @@ pub(super) const OPERATIONS: usize = {
 /// to each channel; the upper halves of 32-bit floats. `training/descriptor.py` makes them.
 const TRAINED: &[u8] = include_bytes!("weights.bin");
 
+/// What the weights take, once for all matchers.
+pub(super) const WEIGHT_BYTES: usize = TRAINED.len() / 2 * size_of::<f32>();
+
 /// The weights of all layers.
 static WEIGHTS: LazyLock<Vec<Weights>> = LazyLock::new(|| {
     let mut numbers = TRAINED.as_chunks().0.iter().map(|&upper| {
@@ -113,6 +116,14 @@ static WEIGHTS: LazyLock<Vec<Weights>> = LazyLock::new(|| {
     });
     weights.into()
 });
+
+/// The rows of a layer of half the size that row `y` of `rows` lies between: the nearer one, of which
+/// it takes three quarters, and the farther one. Beyond its ends a layer is repeated.
+fn rows_of_half_the_size(y: usize, rows: usize) -> [usize; 2] {
+    let nearer = y / 2;
+    let farther = if y.is_multiple_of(2) { nearer.saturating_sub(1) } else { nearer + 1 };
+    [nearer, farther.min(rows / 2 - 1)]
+}
 
 /// Some rows of a layer: row `y` stands in place `y % held`.
 #[derive(Debug, Default)]
@@ -157,9 +168,6 @@ pub(super) struct Stream {
     zeros: Vec<f32>,
 }
 
-/// What the weights take, once for all matchers.
-pub(super) const WEIGHT_BYTES: usize = TRAINED.len() / 2 * size_of::<f32>();
-
 impl Stream {
     /// What a stream takes for images of so many columns.
     pub fn bytes(columns: usize) -> usize {
@@ -203,20 +211,13 @@ impl Stream {
             return;
         }
         let layer = LAYERS[index - 1];
+        let to = layer.window.to;
         let rows = image.rows().next_multiple_of(WHOLE) / layer.scale;
-        // Three quarters of a row of twice the size are of the nearer row, the rest of the next one.
-        let (nearer, farther) =
-            (y / 2, if y.is_multiple_of(2) { (y / 2).saturating_sub(1) } else { y / 2 + 1 });
-        let farther = farther.min((rows / 2).saturating_sub(1));
-        if let Some(coarser) = layer.coarser {
-            self.need(level, image, coarser, nearer);
-            self.need(level, image, coarser, farther);
+        let coarser = layer.coarser.map(|coarser| (coarser, rows_of_half_the_size(y, rows)));
+        if let Some((coarser, rows)) = coarser {
+            rows.into_iter().for_each(|row| self.need(level, image, coarser, row));
         }
-        let Window { side, stride, to, .. } = layer.window;
-        let seen = [0, 1, 2].map(|row| {
-            let row = (y * stride + row).checked_sub(1)?;
-            (row < rows * stride && (side == 3 || row == y * stride)).then_some(row)
-        });
+        let seen = layer.window.rows(y, rows);
         for row in seen.into_iter().flatten() {
             self.need(level, image, layer.input, row);
         }
@@ -228,9 +229,8 @@ impl Stream {
             seen.map(|row| row.map_or(&self.zeros[..input.shape.row()], |row| input.row(row)));
         let rectified = layer.rectified && layer.coarser.is_none();
         convolve(level, &WEIGHTS[index - 1], seen, rectified, shape, out);
-        if let Some(coarser) = layer.coarser {
-            let coarser = &self.held[coarser];
-            let (nearer, farther) = (coarser.row(nearer), coarser.row(farther));
+        if let Some((coarser, rows)) = coarser {
+            let [nearer, farther] = rows.map(|row| self.held[coarser].row(row));
             add_twice_the_size(level, nearer, farther, to, shape.columns, out);
         }
         // Groups of pixels may have run over the border.

@@ -20,35 +20,37 @@ pub(super) struct Normalized<'a> {
     scale: f32,
 }
 
+/// The sum of some values, and that of their squares: of whole numbers, so the same in any order.
+fn moments<T: Copy + Into<u64>>(values: &[T]) -> (u64, u64) {
+    values.iter().fold((0, 0), |(sum, squares), &value| {
+        let value = value.into();
+        (sum + value, squares + value * value)
+    })
+}
+
 impl<'a> Normalized<'a> {
     pub fn new(image: GreyView<'a>) -> Self {
-        // Sums of whole numbers: the same in any order.
-        let moments = |samples: &mut dyn Iterator<Item = u64>| {
-            samples
-                .fold((0u64, 0u64, 0u64), |(n, sum, squares), v| (n + 1, sum + v, squares + v * v))
-        };
         let (columns, rows) = image.size();
-        let (mut n, mut sum, mut squares) = (0, 0, 0u128);
+        let (mut sum, mut squares) = (0, 0);
         for y in 0..rows {
-            let (row_n, row_sum, row_squares) = match image {
-                GreyView::Depth8(view) => moments(&mut view.row(y).iter().map(|&v| v.into())),
-                GreyView::Depth16(view) => moments(&mut view.row(y).iter().map(|&v| v.into())),
+            let (row_sum, row_squares) = match image {
+                GreyView::Depth8(view) => moments(view.row(y)),
+                GreyView::Depth16(view) => moments(view.row(y)),
             };
-            n += row_n;
-            sum += row_sum;
+            sum += u128::from(row_sum);
             squares += u128::from(row_squares);
         }
-        debug_assert_eq!(n as usize, columns * rows);
         let unit = match image {
             GreyView::Depth8(_) => 1.0,
             GreyView::Depth16(_) => 257.0,
         };
-        let spread = u128::from(n) * squares - u128::from(sum) * u128::from(sum);
-        let pairs = (n as f64) * (n.max(2) - 1) as f64;
-        let deviation = (spread as f64 / pairs).sqrt();
+        let count = (columns * rows) as u128;
+        let spread = (count * squares - sum * sum) as f64;
+        let pairs = count * (count.max(2) - 1);
+        let deviation = (spread / pairs as f64).sqrt();
         Self {
             image,
-            mean: (sum as f64 / n as f64) as f32,
+            mean: (sum as f64 / count as f64) as f32,
             scale: (1.0 / (deviation + FLAT * unit)) as f32,
         }
     }
