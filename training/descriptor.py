@@ -49,11 +49,10 @@ class Network(nn.Module):
         self.b3, self.b4, self.b5 = nn.Conv2d(32, 32, 1), conv(32, 32), nn.Conv2d(32, 32, 1)
         self.a3, self.a4, self.a5 = nn.Conv2d(16, 32, 1), conv(32, 32), nn.Conv2d(32, BITS, 1)
         # Logarithms of what the three parts of the likeness count; not needed to match.
+        begin = {"bits": 6.0, "census": 2.0, "gradient": 0.06}
         self.part = nn.ParameterDict(
-            {"bits": math.log(6.0), "census": math.log(2.0), "gradient": math.log(0.06)}
+            {name: nn.Parameter(torch.tensor(math.log(value))) for name, value in begin.items()}
         )
-        for name, value in list(self.part.items()):
-            self.part[name] = nn.Parameter(torch.tensor(value))
 
     def forward(self, x):
         height, width = x.shape[-2:]
@@ -304,6 +303,10 @@ def main():
     arguments = parser.parse_args()
     if arguments.data is None:
         parser.error("no scenes: set HAZCAM_DATA or give --data")
+    for file in (arguments.data / "scenes.json", arguments.resume):
+        if file is not None and not file.is_file():
+            parser.error(f"{file}: no such file; --data names the folder with scenes.json, "
+                         "--resume a checkpoint")
     random.seed(1)
     torch.manual_seed(1)
     scenes, held = load(arguments.data, arguments.without)

@@ -217,9 +217,12 @@ pub(crate) fn check(preset: Preset, without: &[Ingredient]) -> Result<(), MatchE
 pub(crate) struct Ingredients(u16);
 
 impl Ingredients {
-    /// What a preset is made with when some of it is left out.
+    /// What a preset is made with when some of it is left out. Descriptors speak in the runs along
+    /// surfaces only, and go with them.
     pub fn of(preset: Preset, without: &[Ingredient]) -> Self {
-        let used = Ingredient::of(preset).iter().filter(|own| !without.contains(own));
+        let mute = without.contains(&SurfacePrior).then_some(Descriptors);
+        let left_out = |own: &Ingredient| without.contains(own) || mute == Some(*own);
+        let used = Ingredient::of(preset).iter().filter(|own| !left_out(own));
         Self(used.fold(0, |set, ingredient| set | 1 << *ingredient as u16))
     }
 
@@ -247,6 +250,8 @@ mod tests {
     fn a_set_holds_what_is_not_left_out() {
         let set = Ingredients::of(Preset::Balanced, &[Median]);
         assert!(set.has(Gradient) && !set.has(Median) && !set.has(SurfacePrior));
+        let set = Ingredients::of(Preset::Best, &[SurfacePrior]);
+        assert!(set.has(SupportWeights) && !set.has(Descriptors));
     }
 
     #[test]

@@ -85,7 +85,6 @@ pub(crate) struct FeaturePair {
 }
 
 /// How a row of the whole image comes to stand in its features.
-#[derive(Clone)]
 enum Place {
     /// Some of its columns.
     Columns(RangeInclusive<usize>),

@@ -63,22 +63,21 @@ impl Needs {
         // The upper bits of both images.
         let images = 2 * all;
         let grey = (grey(frame.left) + grey(frame.right)) * all;
-        let (prior, support_weights) = (
-            ingredients.has(Ingredient::SurfacePrior),
-            ingredients.has(Ingredient::SupportWeights),
-        );
         // Census words and steps of both, the right ones between margins; descriptors, and where they
         // are asked for.
         let places = part + wide + 2 * space.lanes * lines;
         let features = (4 + 1) * places;
-        let described = ingredients.has(Ingredient::Descriptors) && prior;
-        let descriptors = match described {
+        let descriptors = match ingredients.has(Ingredient::Descriptors) {
             false => 0,
             true => 8 * places + part + Descriptors::bytes(width),
         };
         // Disparities and reasons of the left view, its fixed point and groups. The right view has
         // the memory of the answer.
         let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
+        let (prior, support_weights) = (
+            ingredients.has(Ingredient::SurfacePrior),
+            ingredients.has(Ingredient::SupportWeights),
+        );
         let filled = if prior || support_weights { 4 * part } else { 0 };
         let prior = match prior {
             false => 0,

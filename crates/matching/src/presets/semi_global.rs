@@ -465,9 +465,7 @@ impl Pipeline for SemiGlobalMatching {
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
             let features = self.features.compute(level, seen, &space, (work.y0, rows));
             profile.end("census and gradient", features);
-            // Nobody asks for them where the paths run once.
-            if ingredients.has(Ingredient::Descriptors) && ingredients.has(Ingredient::SurfacePrior)
-            {
+            if ingredients.has(Ingredient::Descriptors) {
                 self.doubtful.reset(columns, rows, false);
                 let described = self.features.describe(level, views, &space, work.y0);
                 profile.end("descriptors", described);

@@ -90,7 +90,8 @@ at_every_level! {
                     // The pixels of a window lie together: columns and channels are one.
                     let next = stride * from;
                     let row = &row[border + first * next..];
-                    let windows = [
+                    // Written out: what a closure does is not compiled for the level.
+                    let windows: [&[f32]; PIXELS] = [
                         &row[..values.len()],
                         &row[next..][..values.len()],
                         &row[2 * next..][..values.len()],

@@ -159,6 +159,20 @@ impl Held {
     }
 }
 
+/// The rows of an image of so many columns and of its layers, and how many of each are held.
+fn shapes(columns: usize) -> impl Iterator<Item = (Shape, usize)> {
+    let columns = columns.next_multiple_of(WHOLE);
+    let image = (Shape { columns, channels: 1 }, IMAGE_ROWS);
+    let layers = LAYERS.iter().map(move |layer| {
+        (Shape { columns: columns / layer.scale, channels: layer.window.to }, layer.held)
+    });
+    std::iter::once(image).chain(layers)
+}
+
+fn longest_row(columns: usize) -> usize {
+    shapes(columns).map(|(shape, _)| shape.row()).max().unwrap_or(0)
+}
+
 /// Rows of all layers, of an image that is read from the top to the bottom.
 #[derive(Debug, Default)]
 pub(super) struct Stream {
@@ -171,27 +185,17 @@ pub(super) struct Stream {
 impl Stream {
     /// What a stream takes for images of so many columns.
     pub fn bytes(columns: usize) -> usize {
-        let columns = columns.next_multiple_of(WHOLE);
-        let image = Shape { columns, channels: 1 }.row() * IMAGE_ROWS;
-        let rows = LAYERS.iter().map(|layer| {
-            let shape = Shape { columns: columns / layer.scale, channels: layer.window.to };
-            shape.row() * layer.held
-        });
-        let zeros = Shape { columns, channels: LAYERS[LAYERS.len() - 1].window.to }.row();
-        size_of::<f32>() * (image + rows.sum::<usize>() + zeros)
+        let rows = shapes(columns).map(|(shape, held)| shape.row() * held);
+        size_of::<f32>() * (rows.sum::<usize>() + longest_row(columns))
     }
 
     /// Begins another image of so many columns.
     pub fn begin(&mut self, columns: usize) {
-        let columns = columns.next_multiple_of(WHOLE);
         self.held.resize_with(1 + LAYERS.len(), Held::default);
-        self.held[0].reset(Shape { columns, channels: 1 }, IMAGE_ROWS);
-        for (held, layer) in self.held[1..].iter_mut().zip(&LAYERS) {
-            let shape = Shape { columns: columns / layer.scale, channels: layer.window.to };
-            held.reset(shape, layer.held);
+        for (to, (shape, held)) in self.held.iter_mut().zip(shapes(columns)) {
+            to.reset(shape, held);
         }
-        let longest = self.held.iter().map(|held| held.shape.row()).max().unwrap_or(0);
-        self.zeros.resize(longest, 0.0);
+        self.zeros.resize(longest_row(columns), 0.0);
     }
 
     /// The channels of the pixels of row `y`.
