@@ -35,6 +35,10 @@ pub enum Ingredient {
     Interpolation,
     /// The background continued along its plane.
     PlaneFill,
+    /// Planes from the neighbourhood, chosen by learned judges.
+    LearnedChoice,
+    /// The last round of choices.
+    LastChoice,
     /// The median of 5 x 5 pixels.
     Median,
     /// Confidence by the margin of the paths' sums.
@@ -56,7 +60,7 @@ const BALANCED: [Ingredient; 9] = [
     PathMargin,
 ];
 
-const BEST: [Ingredient; 15] = [
+const BEST: [Ingredient; 17] = [
     Gradient,
     AdaptiveP2,
     Descriptors,
@@ -70,6 +74,8 @@ const BEST: [Ingredient; 15] = [
     SpeckleFilter,
     Interpolation,
     PlaneFill,
+    LearnedChoice,
+    LastChoice,
     Median,
     PathMargin,
 ];
@@ -164,6 +170,16 @@ impl Ingredient {
                 "occluded pixels continue the plane of the background",
                 "they take its disparity as it is",
             ),
+            LearnedChoice => (
+                "learned-choice",
+                "every pixel takes one of 32 planes around it, chosen by a learned judge",
+                "the filled map as it is",
+            ),
+            LastChoice => (
+                "last-choice",
+                "a last round of choices, by a judge that was taught after the others",
+                "one round less",
+            ),
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             PathMargin => (
                 "path-margin",
@@ -214,7 +230,7 @@ pub(crate) fn check(preset: Preset, without: &[Ingredient]) -> Result<(), MatchE
 
 /// A set of ingredients, small enough to be handed to every stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Ingredients(u16);
+pub(crate) struct Ingredients(u32);
 
 impl Ingredients {
     /// What a preset is made with when some of it is left out. Descriptors speak in the runs along

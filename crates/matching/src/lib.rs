@@ -45,6 +45,8 @@ mod presets;
 mod profile;
 mod refinement;
 mod selection;
+#[doc(hidden)]
+pub mod training;
 
 pub use error::MatchError;
 pub use ingredient::Ingredient;

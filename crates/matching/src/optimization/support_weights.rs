@@ -23,13 +23,12 @@ use rayon::prelude::*;
 
 use crate::cost::looks::{self, BLOCK, Comparison, Looks, RowsWithEnds};
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median;
 use crate::optimization::support_window::{
     self, LANES, RADIUS, SIDE, Shades, Window, WindowRow, shades,
 };
 use crate::profile::Work;
 use crate::refinement::plane_fit::Surface;
-use crate::refinement::slopes::slopes_of_row;
+use crate::refinement::slopes::Slopes;
 
 /// Candidates nearer to what is there, in pixels of disparity, are not tried.
 const CLEARLY_OTHER: f32 = 2.0;
@@ -73,14 +72,14 @@ pub(crate) struct Pair<'a> {
 /// A map, and the slopes at every pixel.
 struct Surfaces<'a> {
     values: &'a Plane<f32>,
-    along: &'a Plane<f32>,
-    down: &'a Plane<f32>,
+    slopes: &'a Slopes,
 }
 
 impl Surfaces<'_> {
     #[inline(always)]
     fn at(&self, x: usize, y: usize) -> Surface {
-        let [disparity, along, down] = [self.values, self.along, self.down].map(|p| p.row(y)[x]);
+        let [disparity, along, down] =
+            [self.values, &self.slopes.along, &self.slopes.down].map(|p| p.row(y)[x]);
         Surface { disparity, along, down }
     }
 }
@@ -104,8 +103,6 @@ struct Tried {
 /// The memory of the method, kept between frames.
 #[derive(Default)]
 pub(crate) struct SupportWeights {
-    along: Plane<f32>,
-    down: Plane<f32>,
     bands: Vec<Band>,
 }
 
@@ -117,26 +114,22 @@ impl SupportWeights {
         let compared = (columns + LANES).next_multiple_of(BLOCK);
         let window = SIDE * WindowRow::bytes(compared, disparities);
         let with_ends = 3 * (2 * compared + disparities);
-        8 * columns * rows + bands * (window + with_ends + 2 * columns)
+        bands * (window + with_ends + 2 * columns)
     }
 
     /// Lets every pixel of `values` (finite) take a neighbour's plane, into `out`. Whatever the scene,
-    /// slopes are found, written and read, values read for them and for the planes, the looks of both
-    /// views read and compared, and new values written.
+    /// values and their slopes are read, the looks of both views read and compared, and new values
+    /// written.
     pub fn refine(
         &mut self,
         level: Level,
         pair: &Pair<'_>,
         values: &Plane<f32>,
+        slopes: &Slopes,
         out: &mut Plane<f32>,
     ) -> Work {
         let (columns, rows) = values.size();
-        self.along.reset(columns, rows, 0.0);
-        self.down.reset(columns, rows, 0.0);
-        let slopes = self.along.samples_mut().par_chunks_mut(columns);
-        let slopes = slopes.zip(self.down.samples_mut().par_chunks_mut(columns)).enumerate();
-        slopes.for_each(|(y, (along, down))| slopes_of_row(level, values, y, along, down));
-        let surfaces = Surfaces { values, along: &self.along, down: &self.down };
+        let surfaces = Surfaces { values, slopes };
         let shades = shades();
         out.reset(columns, rows, 0.0);
         let height = rows.div_ceil(BANDS * rayon::current_num_threads());
@@ -150,11 +143,9 @@ impl SupportWeights {
             surfaces: a.surfaces + b.surfaces,
         });
         let (map, looks) = (size_of_val(values.samples()), pair.base.bytes() + pair.other.bytes());
-        // Two medians of numbers of 32 bits, not 16, and all disparities.
-        let pixel = Work::operations(2 * 2 * median::OPERATIONS)
-            + Work::operations(looks::OPERATIONS) * (pair.most - pair.least + 1) as usize;
-        Work::bytes((2 * 2 + 2 + 1) * map + looks)
-            + pixel * (columns * rows)
+        let disparities = (pair.most - pair.least + 1) as usize;
+        Work::bytes((3 + 2) * map + looks)
+            + Work::operations(looks::OPERATIONS) * (disparities * columns * rows)
             + Work::operations(support_window::OPERATIONS) * tried.windows
             + Work::operations(support_window::OPERATIONS_PER_SURFACE) * tried.surfaces
     }
@@ -220,7 +211,8 @@ at_every_level! {
             let count = columns - reach;
             let (here, there) = if dx < 0 { (reach, 0) } else { (0, reach) };
             let values = &surfaces.values.row(y)[here..][..count];
-            let [disparity, along, down] = [surfaces.values, surfaces.along, surfaces.down]
+            let Slopes { along, down } = surfaces.slopes;
+            let [disparity, along, down] = [surfaces.values, along, down]
                 .map(|plane| &plane.row(v as usize)[there..][..count]);
             let marks = &mut marks[here..][..count];
             for i in 0..count {
@@ -318,13 +310,10 @@ mod tests {
         values: &Plane<f32>,
     ) -> Plane<f32> {
         let (columns, rows) = values.size();
-        let mut slopes = [values.clone(), values.clone()];
-        for y in 0..rows {
-            let [along, down] = &mut slopes;
-            slopes_of_row(Level::available()[0], values, y, along.row_mut(y), down.row_mut(y));
-        }
+        let mut slopes = Slopes::default();
+        slopes.compute(Level::available()[0], values);
         let plane = |x: usize, y: usize| {
-            let [along, down] = slopes.each_ref().map(|plane| plane.row(y)[x]);
+            let [along, down] = [&slopes.along, &slopes.down].map(|plane| plane.row(y)[x]);
             Surface { disparity: values.row(y)[x], along, down }
         };
         let halves = |mut numbers: Vec<f32>| {
@@ -412,9 +401,10 @@ mod tests {
                 };
                 let expected = definition(&pair, &cost, &values);
                 let [mut out, mut again] = [Plane::default(), Plane::default()];
-                let mut weights = SupportWeights::default();
-                weights.refine(level, &pair, &values, &mut out);
-                weights.refine(level, &pair, &values, &mut again);
+                let (mut weights, mut slopes) = (SupportWeights::default(), Slopes::default());
+                slopes.compute(level, &values);
+                weights.refine(level, &pair, &values, &slopes, &mut out);
+                weights.refine(level, &pair, &values, &slopes, &mut again);
                 assert!(out == expected && again == expected);
                 assert!(most == least || out != values, "nothing to be seen");
             }
@@ -436,8 +426,9 @@ mod tests {
         let pair = Pair { base: &base, other: &other, first: 0, least: 0, most: 15 };
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            let mut out = Plane::default();
-            SupportWeights::default().refine(level, &pair, &grown, &mut out);
+            let (mut out, mut slopes) = (Plane::default(), Slopes::default());
+            slopes.compute(level, &grown);
+            SupportWeights::default().refine(level, &pair, &grown, &slopes, &mut out);
             for y in 0..30 {
                 assert_eq!(out.row(y)[20..], truth.row(y)[20..], "row {y}");
             }

@@ -74,28 +74,32 @@ impl Needs {
         // Disparities and reasons of the left view, its fixed point and groups. The right view has
         // the memory of the answer.
         let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
-        let (prior, support_weights) = (
+        let (prior, support_weights, choice) = (
             ingredients.has(Ingredient::SurfacePrior),
             ingredients.has(Ingredient::SupportWeights),
+            ingredients.has(Ingredient::LearnedChoice),
         );
-        let filled = if prior || support_weights { 4 * part } else { 0 };
+        let filled = if prior || support_weights || choice { 4 * part } else { 0 };
         let prior = match prior {
             false => 0,
             // A surface per pixel and cell.
             true => 12 * (part + columns.div_ceil(4) * lines.div_ceil(4)),
         };
+        // Looks, per view its own and those of the other; slopes of either.
+        let seen = if support_weights || choice { (4 * 3 + 8) * wide } else { 0 };
         let support_weights = match support_weights {
             false => 0,
             // The left view smoothed; the right one filled and smoothed, its reasons, fixed point and
-            // groups; per view its looks and those of the other.
+            // groups.
             true => {
                 let right = (4 + 4 + 1 + 2) * wide + Groups::bytes(width, lines);
-                let looks = 4 * 3 * wide;
-                4 * part + right + looks + SupportWeights::bytes(width, lines, space.count)
+                4 * part + right + SupportWeights::bytes(width, lines, space.count)
             }
         };
-        let stages =
-            images + grey + features + descriptors + left + filled + prior + support_weights;
+        // How sure pixels are, before and after.
+        let choice = if choice { 2 * 4 * part } else { 0 };
+        let refined = filled + seen + support_weights + choice;
+        let stages = images + grey + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }

@@ -4,10 +4,14 @@ mod fast;
 mod memory;
 mod semi_global;
 
+use raster::DisparityMap;
+
 use crate::ingredient::Ingredients;
 use crate::kernels::level::Level;
-use crate::matcher::Pipeline;
-use crate::{Options, Preset};
+use crate::matcher::{Frame, Pipeline};
+use crate::profile::Profile;
+use crate::refinement::choice::Lesson;
+use crate::{MatchError, Options, Preset};
 use semi_global::SemiGlobalMatching;
 
 /// The stages that the options ask for.
@@ -28,4 +32,12 @@ pub(crate) fn explanation(preset: Preset) -> &'static str {
         Preset::Balanced => include_str!("balanced.md"),
         Preset::Best => include_str!("best.md"),
     }
+}
+
+/// Lets `best` match a frame, up to where it would choose once more, and takes the lesson from there.
+pub(crate) fn teach(frame: &Frame<'_>, lesson: Lesson) -> Result<Lesson, MatchError> {
+    let (columns, rows) = frame.size();
+    let mut best = SemiGlobalMatching::teaching(Level::detect(), lesson);
+    best.run(frame, &mut DisparityMap::empty(columns, rows), &mut Profile::new())?;
+    Ok(best.into_lesson().expect("it was given one"))
 }

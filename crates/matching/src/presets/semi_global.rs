@@ -10,7 +10,6 @@ use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
 use super::memory::Needs;
-use crate::MatchError;
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::looks::Looks;
@@ -24,13 +23,17 @@ use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::profile::{Profile, Work};
+use crate::refinement::choice::{self, Lesson, Scene};
 use crate::refinement::groups::Groups;
 use crate::refinement::median::median_row;
 use crate::refinement::plane_fill::fill;
+use crate::refinement::row_fill::filled;
+use crate::refinement::slopes::Slopes;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::{ViewMap, cross_check, disagreements};
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::Winners;
+use crate::{MatchError, Preset};
 
 /// What changes of disparity cost.
 const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
@@ -96,7 +99,12 @@ pub(crate) struct SemiGlobalMatching {
     right: View,
     /// The looks of the other image, for each view.
     others: [Looks; 2],
+    slopes: Slopes,
     weights: SupportWeights,
+    /// How sure pixels of the left view are, before a round of choices and after it.
+    certainty: [Plane<f32>; 2],
+    /// Where judges are taught: what is known when those that there are have spoken.
+    lesson: Option<Lesson>,
     /// Rows of medians, one for each thread.
     medians: Vec<Vec<u16>>,
     /// The bytes that it may take, with the answer.
@@ -104,6 +112,17 @@ pub(crate) struct SemiGlobalMatching {
 }
 
 impl SemiGlobalMatching {
+    /// With all ingredients, and a lesson to be learned from the first frame.
+    pub fn teaching(level: Level, lesson: Lesson) -> Self {
+        let all = Ingredients::of(Preset::Best, &[]);
+        Self { lesson: Some(lesson), ..Self::new(all, level, None) }
+    }
+
+    /// The lesson, learned.
+    pub fn into_lesson(self) -> Option<Lesson> {
+        self.lesson
+    }
+
     pub fn new(ingredients: Ingredients, level: Level, memory: Option<usize>) -> Self {
         Self {
             ingredients,
@@ -119,7 +138,10 @@ impl SemiGlobalMatching {
             left: View::default(),
             right: View::default(),
             others: Default::default(),
+            slopes: Slopes::default(),
             weights: SupportWeights::default(),
+            certainty: Default::default(),
+            lesson: None,
             medians: Vec::new(),
         }
     }
@@ -218,7 +240,13 @@ impl View {
     }
 
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    fn refine(&mut self, search: Search, other: &Looks, weights: &mut SupportWeights) -> Work {
+    fn refine(
+        &mut self,
+        search: Search,
+        other: &Looks,
+        slopes: &mut Slopes,
+        weights: &mut SupportWeights,
+    ) -> Work {
         let Search { ingredients, level, width, range, .. } = search;
         let filled = fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
         let smoothed = small_median(level, &self.filled, &mut self.smooth);
@@ -229,7 +257,9 @@ impl View {
             least: range.min(),
             most: range.max(),
         };
-        filled + smoothed + weights.refine(level, &pair, &self.smooth, &mut self.map.values)
+        let sloped = slopes.compute(level, &self.smooth);
+        let refined = weights.refine(level, &pair, &self.smooth, slopes, &mut self.map.values);
+        filled + smoothed + sloped + refined
     }
 }
 
@@ -341,9 +371,10 @@ impl SemiGlobalMatching {
             profile.end(CHECK, right);
         }
         let [other_of_left, other_of_right] = &self.others;
-        let mut done = self.left.refine(search, other_of_left, &mut self.weights);
+        let (slopes, weights) = (&mut self.slopes, &mut self.weights);
+        let mut done = self.left.refine(search, other_of_left, slopes, weights);
         if both {
-            done = done + self.right.refine(search, other_of_right, &mut self.weights);
+            done = done + self.right.refine(search, other_of_right, slopes, weights);
         }
         profile.end(SUPPORT_WEIGHTS, done);
     }
@@ -358,6 +389,57 @@ impl SemiGlobalMatching {
             done = done
                 + other_of_left.mirrored(&mut self.right.looks)
                 + self.left.looks.mirrored(other_of_right);
+        }
+        done
+    }
+
+    /// Lets every pixel of the left view, which is filled, choose a plane around it, and be as confident
+    /// as the judge is certain.
+    fn choose(&mut self, search: Search, confidence: &mut [f32]) -> Work {
+        let Search { ingredients, level, work, width, range, .. } = search;
+        let View { map, filled: values, looks, .. } = &mut self.left;
+        let ViewMap { values: other, reasons, .. } = map;
+        let (columns, rows) = values.size();
+        let [sure, certainty] = &mut self.certainty;
+        sure.reset(columns, rows, 0.0);
+        let of_image = || confidence.chunks_exact(width).map(|row| &row[work.x0..][..columns]);
+        let to = sure.samples_mut().chunks_exact_mut(columns);
+        to.zip(of_image()).for_each(|(to, from)| to.copy_from_slice(from));
+        let mut done = Work::bytes(2 * 2 * size_of_val(sure.samples()));
+        let judges = choice::judges(ingredients.has(Ingredient::LastChoice));
+        for (round, judge) in judges.iter().map(Some).chain([None]).enumerate() {
+            if judge.is_none() && self.lesson.is_none() {
+                break;
+            }
+            if round > 0 {
+                done = done + small_median(level, values, other);
+                std::mem::swap(values, other);
+            }
+            done = done + self.slopes.compute(level, values);
+            let scene = Scene {
+                values,
+                slopes: &self.slopes,
+                reasons,
+                doubtful: &self.doubtful,
+                confidence: sure,
+                base: looks,
+                other: &self.others[0],
+                right: &self.right.map.values,
+                first: work.x0,
+                least: range.min() as f32,
+                most: range.max() as f32,
+            };
+            let Some(judge) = judge else {
+                self.lesson.as_mut().expect("it was asked for").learn(&scene);
+                break;
+            };
+            done = done + choice::choose(level, judge, &scene, certainty, other);
+            std::mem::swap(values, other);
+            std::mem::swap(sure, certainty);
+            done = done + unconfirm(width, work.x0, other, values, reasons);
+        }
+        for (to, from) in confidence.chunks_exact_mut(width).zip(sure.samples().chunks(columns)) {
+            to[work.x0..][..columns].iter_mut().zip(from).for_each(|(to, from)| *to *= from);
         }
         done
     }
@@ -398,6 +480,29 @@ impl SemiGlobalMatching {
         let pixel = Work::bytes(2 + 4) + Work::operations(median);
         pixel * (bounds.columns() * bounds.rows())
     }
+}
+
+/// Says what the pixels of a map are that had the disparities `before`: one that took another is not
+/// confirmed any more.
+fn unconfirm(
+    width: usize,
+    first: usize,
+    before: &Plane<f32>,
+    now: &Plane<f32>,
+    reasons: &mut Plane<Reason>,
+) -> Work {
+    for y in 0..now.rows() {
+        let values = before.row(y).iter().zip(now.row(y));
+        for ((column, (before, now)), reason) in (first..).zip(values).zip(reasons.row_mut(y)) {
+            let hole = match *reason {
+                Reason::Matched if (before - now).abs() <= GROUP_STEP => continue,
+                Reason::Matched | Reason::MismatchedFilled => Reason::MismatchedHole,
+                _ => Reason::OccludedHole,
+            };
+            *reason = filled(width, column, *now, hole);
+        }
+    }
+    Work::bytes(2 * size_of_val(now.samples()) + 2 * size_of_val(reasons.samples()))
 }
 
 /// Leaves a plane's box as it is, and fills the rest.
@@ -456,6 +561,7 @@ impl Pipeline for SemiGlobalMatching {
         self.right.map.values = std::mem::take(&mut map.values);
         self.left.begin(work.x0, columns, rows);
         self.right.begin(0, width, rows);
+        let chooses = space.count > 0 && ingredients.has(Ingredient::LearnedChoice);
         if space.count > 0 {
             // Flat grey has no gradient.
             let flat = match ingredients.has(Ingredient::Gradient) {
@@ -478,9 +584,11 @@ impl Pipeline for SemiGlobalMatching {
                     self.follow_surfaces(&space, search, confidence, profile);
                 }
             }
-            if ingredients.has(Ingredient::SupportWeights) {
+            if ingredients.has(Ingredient::SupportWeights) || chooses {
                 let looked = self.look(search);
-                profile.end(SUPPORT_WEIGHTS, looked);
+                profile.end("looks", looked);
+            }
+            if ingredients.has(Ingredient::SupportWeights) {
                 self.sharpen(search, profile);
                 if ingredients.has(Ingredient::SupportWeightsAgain) {
                     self.sharpen(search, profile);
@@ -494,13 +602,22 @@ impl Pipeline for SemiGlobalMatching {
         } else {
             self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
         }
-        let filled = &mut self.right.map.values;
+        let filled = match chooses {
+            true => &mut self.left.filled,
+            false => &mut self.right.map.values,
+        };
         let done = fill(ingredients, level, width, range, &mut self.left.map, filled);
         profile.end(FILL, done);
+        if chooses {
+            let confidence = &mut map.confidence.samples_mut()[work.y0 * width..][..rows * width];
+            let chosen = self.choose(search, confidence);
+            profile.end("choices", chosen);
+        }
+        let filled = if chooses { &self.left.filled } else { &self.right.map.values };
         let mut medians = in_steps(level, search.numbers, filled, &mut self.left.steps);
         // Without a search there is one value everywhere.
         let nowhere = filled.row(0)[0];
-        map.values = std::mem::take(filled);
+        map.values = std::mem::take(&mut self.right.map.values);
         map.values.reset(width, height, nowhere);
         if space.count > 0 {
             medians = medians + self.smooth(search, bounds, &mut map.values);

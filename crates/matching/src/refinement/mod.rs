@@ -1,5 +1,6 @@
 //! Outliers out, occlusions filled, edges sharpened, confidence.
 
+pub(crate) mod choice;
 pub(crate) mod groups;
 pub(crate) mod median;
 pub(crate) mod plane_fill;

@@ -4,12 +4,35 @@
 //! In: finite values. Differences that reach beyond the map do not count.
 
 use raster::Plane;
+use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median::{BLOCK, medians_of_block};
+use crate::kernels::median::{self, BLOCK, medians_of_block};
+use crate::profile::Work;
 
 /// Surfaces steeper than this do not count as such.
 const STEEPEST: f32 = 0.5;
+
+/// The slopes at every pixel of a map: changes per column and per row.
+#[derive(Default)]
+pub(crate) struct Slopes {
+    pub along: Plane<f32>,
+    pub down: Plane<f32>,
+}
+
+impl Slopes {
+    pub fn compute(&mut self, level: Level, values: &Plane<f32>) -> Work {
+        let (columns, rows) = values.size();
+        self.along.reset(columns, rows, 0.0);
+        self.down.reset(columns, rows, 0.0);
+        let slopes = self.along.samples_mut().par_chunks_mut(columns);
+        let slopes = slopes.zip(self.down.samples_mut().par_chunks_mut(columns)).enumerate();
+        slopes.for_each(|(y, (along, down))| slopes_of_row(level, values, y, along, down));
+        // Two medians of numbers of 32 bits, not 16.
+        let pixels = columns * rows;
+        Work::bytes(3 * 4 * pixels) + Work::operations(2 * 2 * median::OPERATIONS) * pixels
+    }
+}
 
 /// The slopes of row `y`: changes per column and per row.
 pub(crate) fn slopes_of_row(

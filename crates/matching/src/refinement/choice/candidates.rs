@@ -1,0 +1,325 @@
+//! What a pixel can choose from, and what is known of each candidate.
+//!
+//! Candidates are the planes of the pixel itself and of 31 others around it, continued to where it
+//! lies. Numbers of all candidates stand side by side, so that they are worked on together.
+
+use raster::{Plane, Reason};
+
+use crate::cost::looks::Looks;
+use crate::refinement::slopes::Slopes;
+
+/// Candidates of a pixel.
+pub const CANDIDATES: usize = 32;
+
+/// Columns and rows from the pixel to where its candidates come from.
+const PLACES: [(i32, i32); CANDIDATES] = [
+    (0, 0),
+    (2, 0),
+    (-2, 0),
+    (0, 2),
+    (0, -2),
+    (3, 3),
+    (-3, -3),
+    (3, -3),
+    (-3, 3),
+    (5, 0),
+    (-5, 0),
+    (0, 5),
+    (0, -5),
+    (7, 7),
+    (-7, -7),
+    (7, -7),
+    (-7, 7),
+    (11, 0),
+    (-11, 0),
+    (0, 11),
+    (0, -11),
+    (15, 15),
+    (-15, -15),
+    (15, -15),
+    (-15, 15),
+    (24, 0),
+    (-24, 0),
+    (0, 24),
+    (0, -24),
+    (48, 0),
+    (-48, 0),
+    (0, -48),
+];
+
+/// What is known of each candidate, in the order of [`Known::of_each`].
+pub const OF_EACH: usize = 17;
+/// What is known of the pixel, in the order of [`Known::of_pixel`].
+pub const OF_PIXEL: usize = 6;
+
+/// Candidates within so many pixels of disparity say the same.
+const SAME: f32 = 1.0;
+/// Where all candidates lie within so many pixels there is nothing to choose.
+const CHOICE: f32 = 0.5;
+/// The last of the candidates of the inner rings.
+const NEAR: usize = 12;
+/// A match that was never in doubt, and whose inner rings lie within so many pixels, is left alone.
+const SETTLED: f32 = 1.0;
+/// The 3 x 3 pixels that are compared with those of a match stand so far apart.
+const APART: i64 = 2;
+
+/// A map without holes, and all that is known of it and of the images.
+pub(crate) struct Scene<'a> {
+    pub values: &'a Plane<f32>,
+    pub slopes: &'a Slopes,
+    pub reasons: &'a Plane<Reason>,
+    /// Where descriptors were asked; empty where nowhere.
+    pub doubtful: &'a Plane<bool>,
+    pub confidence: &'a Plane<f32>,
+    pub base: &'a Looks,
+    pub other: &'a Looks,
+    /// The disparities of the right view, in a mirror.
+    pub right: &'a Plane<f32>,
+    /// The column of the image at which the map begins.
+    pub first: usize,
+    pub least: f32,
+    pub most: f32,
+}
+
+/// A pixel's candidates and what is known of them.
+#[derive(Clone)]
+pub struct Known {
+    /// Of the candidates' planes, where the pixel lies.
+    pub disparities: [f32; CANDIDATES],
+    /// Whether they come from inside the map.
+    pub inside: [bool; CANDIDATES],
+    /// `of_each[i][k]` of candidate `k`:
+    /// 0, 1: how far it lies from what the pixel has, with sign and without;
+    /// 2 to 4: of where it comes from: confidence, whether filled, whether in doubt;
+    /// 5: the difference of grey to there;
+    /// 6 to 8: how badly the match fits: census and grey steps of 3 x 3 pixels, census of the pixel;
+    /// 9, 10: how far the right view's disparity at the match lies from it;
+    /// 11, 12: the share of candidates that say the same, and that of those of the same shade;
+    /// 13, 14: how far it lies from the smallest and from the largest one;
+    /// 15: whether the match lies outside the right image;
+    /// 16: how steep its plane is.
+    pub of_each: [[f32; CANDIDATES]; OF_EACH],
+    /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
+    pub of_pixel: [f32; OF_PIXEL],
+}
+
+impl Default for Known {
+    fn default() -> Self {
+        Self {
+            disparities: [0.0; CANDIDATES],
+            inside: [false; CANDIDATES],
+            of_each: [[0.0; CANDIDATES]; OF_EACH],
+            of_pixel: [0.0; OF_PIXEL],
+        }
+    }
+}
+
+/// Differences of disparity as a judge sees them: small ones halved, large ones by their root.
+#[inline(always)]
+fn bent(difference: f32) -> f32 {
+    ((difference.abs() + 1.0).sqrt() - 1.0).copysign(difference)
+}
+
+#[inline(always)]
+fn share(is: bool) -> f32 {
+    if is { 1.0 } else { 0.0 }
+}
+
+/// How a pixel fits a match of a whole disparity.
+#[derive(Clone, Copy, Default)]
+struct Fit {
+    disparity: i32,
+    census: f32,
+    census_here: f32,
+    steps: f32,
+    right: f32,
+    outside: bool,
+}
+
+impl Scene<'_> {
+    /// Finds the candidates of pixel `(x, y)`; says whether there is anything to choose. Only then is
+    /// all else found too.
+    #[inline(always)]
+    pub fn know(&self, x: usize, y: usize, known: &mut Known) -> bool {
+        let (columns, rows) = self.values.size();
+        let here = self.values.row(y)[x];
+        let (mut smallest, mut largest) = (here, here);
+        let mut places = [(0, 0); CANDIDATES];
+        for k in 0..CANDIDATES {
+            let (dx, dy) = PLACES[k];
+            let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
+            let inside = u >= 0 && v >= 0 && u < columns as i64 && v < rows as i64;
+            let (u, v) = if inside { (u as usize, v as usize) } else { (x, y) };
+            let value = self.values.row(v)[u];
+            let steep =
+                self.slopes.along.row(v)[u] * dx as f32 + self.slopes.down.row(v)[u] * dy as f32;
+            let d = if inside { value - steep } else { here };
+            let d = if d < self.least { self.least } else { d };
+            let d = if d > self.most { self.most } else { d };
+            smallest = if d < smallest { d } else { smallest };
+            largest = if d > largest { d } else { largest };
+            (known.disparities[k], known.inside[k]) = (d, inside);
+            places[k] = (u, v);
+            if k == NEAR && largest - smallest <= SETTLED && self.is_settled(x, y) {
+                return false;
+            }
+        }
+        if largest - smallest <= CHOICE {
+            return false;
+        }
+        self.look(x, y, &places, known);
+        for k in 0..CANDIDATES {
+            let d = known.disparities[k];
+            known.of_each[0][k] = bent(d - here);
+            known.of_each[1][k] = bent((d - here).abs());
+            known.of_each[13][k] = bent(d - smallest);
+            known.of_each[14][k] = bent(largest - d);
+        }
+        count_same(known);
+        true
+    }
+
+    /// Whether both views agreed on it whenever they were asked.
+    #[inline(always)]
+    fn is_settled(&self, x: usize, y: usize) -> bool {
+        let i = y * self.values.columns() + x;
+        self.reasons.samples()[i] == Reason::Matched
+            && self.doubtful.samples().get(i) != Some(&true)
+    }
+
+    /// What is known of places, of matches, and of the pixel.
+    #[inline(always)]
+    fn look(&self, x: usize, y: usize, places: &[(usize, usize); CANDIDATES], known: &mut Known) {
+        let confidence = |x: usize, y: usize| self.confidence.row(y)[x];
+        let doubtful = |x: usize, y: usize| {
+            self.doubtful.samples().get(y * self.values.columns() + x) == Some(&true)
+        };
+        let grey = |x: usize, y: usize| f32::from(self.base.row(y)[2][self.first + x]);
+        let here = grey(x, y);
+        let mut fits = [Fit::default(); CANDIDATES];
+        let mut found = 0;
+        for k in 0..CANDIDATES {
+            let (u, v) = places[k];
+            known.of_each[2][k] = confidence(u, v);
+            known.of_each[3][k] = share(self.reasons.row(v)[u] != Reason::Matched);
+            known.of_each[4][k] = share(doubtful(u, v));
+            known.of_each[5][k] = (grey(u, v) - here).abs() * 0.05;
+            known.of_each[16][k] =
+                2.0 * (self.slopes.along.row(v)[u].abs() + self.slopes.down.row(v)[u].abs());
+            // Many say the same.
+            let disparity = (known.disparities[k] + 0.5).floor() as i32;
+            let mut which = 0;
+            while which < found && fits[which].disparity != disparity {
+                which += 1;
+            }
+            if which == found {
+                fits[found] = self.fit(x, y, disparity);
+                found += 1;
+            }
+            let fit = &fits[which];
+            known.of_each[6][k] = fit.census;
+            known.of_each[7][k] = fit.steps;
+            known.of_each[8][k] = fit.census_here;
+            let right = if fit.outside { 0.0 } else { fit.right - known.disparities[k] };
+            known.of_each[9][k] = bent(right);
+            known.of_each[10][k] = bent(right.abs());
+            known.of_each[15][k] = share(fit.outside);
+        }
+        let reason = self.reasons.row(y)[x];
+        known.of_pixel = [
+            confidence(x, y),
+            share(reason == Reason::OccludedFilled),
+            share(reason == Reason::MismatchedFilled),
+            share(reason == Reason::OutsideRightFilled),
+            share(doubtful(x, y)),
+            self.texture(x, y),
+        ];
+    }
+
+    /// The row of the map and the columns of the image that are looked at around a pixel.
+    #[inline(always)]
+    fn around(&self, x: i64, y: usize, dy: i64) -> (usize, [usize; 3]) {
+        let last = self.base.columns() as i64 - 1;
+        let row = (y as i64 + dy).clamp(0, self.values.rows() as i64 - 1) as usize;
+        // Written out: what a closure does is not compiled for the level.
+        let [before, here, after] = [x - APART, x, x + APART];
+        (
+            row,
+            [
+                before.clamp(0, last) as usize,
+                here.clamp(0, last) as usize,
+                after.clamp(0, last) as usize,
+            ],
+        )
+    }
+
+    #[inline(always)]
+    fn fit(&self, x: usize, y: usize, disparity: i32) -> Fit {
+        let width = self.base.columns() as i64;
+        let x = (self.first + x) as i64;
+        let at = x - i64::from(disparity);
+        let (mut bits, mut steps, mut here) = (0, 0, 0);
+        for dy in [-APART, 0, APART] {
+            let (row, columns) = self.around(x, y, dy);
+            let (_, others) = self.around(at, y, dy);
+            let ([census, step, _], [other_census, other_step, _]) =
+                (self.base.row(row), self.other.row(row));
+            for i in 0..3 {
+                let (u, v) = (columns[i], others[i]);
+                let unlike = (census[u] ^ other_census[v]).count_ones();
+                bits += unlike;
+                here = if dy == 0 && i == 1 { unlike } else { here };
+                steps += u32::from(step[u].abs_diff(other_step[v]).min(20));
+            }
+        }
+        let mirrored = (width - 1 - at).clamp(0, width - 1) as usize;
+        Fit {
+            disparity,
+            census: bits as f32 / 36.0,
+            census_here: here as f32 / 4.0,
+            steps: steps as f32 / 90.0,
+            right: self.right.row(y)[mirrored],
+            outside: at < 0 || at >= width,
+        }
+    }
+
+    /// The mean grey step along the row.
+    #[inline(always)]
+    fn texture(&self, x: usize, y: usize) -> f32 {
+        let mut sum = 0;
+        for dy in [-APART, 0, APART] {
+            let (row, columns) = self.around((self.first + x) as i64, y, dy);
+            let steps = self.base.row(row)[1];
+            for column in columns {
+                sum += u32::from(steps[column].abs_diff(128).min(32));
+            }
+        }
+        sum as f32 / 90.0
+    }
+}
+
+/// Counts the candidates that say the same.
+#[inline(always)]
+fn count_same(known: &mut Known) {
+    let Known { disparities, inside, of_each, .. } = known;
+    let (mut votes, mut alike, mut all) = ([0.0f32; CANDIDATES], [0.0f32; CANDIDATES], 0.0);
+    for k in 0..CANDIDATES {
+        if !inside[k] {
+            continue;
+        }
+        // Of the same shade: 1 to 0 over 16 grey values.
+        let shade = 1.0 - of_each[5][k] * 1.25;
+        let shade = if shade < 0.05 { 0.05 } else { shade };
+        all += shade;
+        let there = disparities[k];
+        for i in 0..CANDIDATES {
+            let same = share((disparities[i] - there).abs() < SAME);
+            votes[i] += same;
+            alike[i] += same * shade;
+        }
+    }
+    for i in 0..CANDIDATES {
+        of_each[11][i] = votes[i] * (3.0 / CANDIDATES as f32);
+        of_each[12][i] = alike[i] * (3.0 / all);
+    }
+}

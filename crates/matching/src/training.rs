@@ -1,0 +1,26 @@
+//! What the programs in `training/` learn from. Nobody else needs this.
+
+use raster::{BoundingBox, DisparityRange, Image, Plane};
+
+use crate::matcher::Frame;
+pub use crate::refinement::choice::{CANDIDATES, Known, OF_EACH, OF_PIXEL};
+use crate::refinement::choice::{Lesson, Pick};
+use crate::{MatchError, presets};
+
+/// Column and row.
+pub type Pixel = (usize, usize);
+
+/// What `best` knows of pixels of a pair of images of equal size when the judges that it has so far
+/// have spoken. `pick` says which when it has seen the disparities up to there;
+/// those without a choice are left out.
+pub fn choices(
+    left: &Image,
+    right: &Image,
+    range: DisparityRange,
+    pick: impl FnMut(&Plane<f32>) -> Vec<Pixel> + Send + 'static,
+) -> Result<Vec<(Pixel, Known)>, MatchError> {
+    let (columns, rows) = left.size();
+    let frame = Frame { left, right, bounds: BoundingBox::whole(columns, rows), range };
+    let lesson = Lesson::new(Box::new(pick) as Box<Pick>);
+    Ok(presets::teach(&frame, lesson)?.known)
+}

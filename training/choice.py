@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Trains a judge of `best` (crates/matching/src/refinement/choice) and appends its weights.
+
+    cargo run --release -p hazcam-training -- --out target/choices.bin
+    python3 training/choice.py target/choices.bin --minutes 5 \
+        --weights crates/matching/src/refinement/choice/weights.bin
+
+Once for each round of choices, beginning with an empty file of weights: samples are taken after the
+rounds that are there, so every judge learns from what those before it left. Needs PyTorch and numpy.
+
+The network is that of `judge.rs`. What it is taught: to give its probability to candidates near the
+truth, and little to those that are off by more than 2 px, less the farther they are off.
+"""
+
+import argparse
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import nn
+
+CANDIDATES, OF_EACH, OF_PIXEL = 32, 17, 6
+FIRST, SECOND = 32, 16
+NUMBERS = 2 + CANDIDATES * (2 + OF_EACH) + OF_PIXEL
+BATCH = 1024
+
+
+class Judge(nn.Module):
+    def __init__(self):
+        super().__init__()
+        random = lambda *shape, scale: nn.Parameter(torch.randn(*shape) * scale)
+        # In the order in which `judge.rs` reads them.
+        self.places = nn.Parameter(0.3 * torch.randn(FIRST, 1).repeat(1, CANDIDATES))
+        self.of_each = random(FIRST, OF_EACH, scale=0.8 / math.sqrt(OF_EACH))
+        self.of_pixel = random(FIRST, OF_PIXEL, scale=0.3)
+        self.second = random(SECOND, FIRST, scale=math.sqrt(2 / FIRST))
+        self.second_offsets = nn.Parameter(torch.zeros(SECOND))
+        self.last = random(SECOND, scale=math.sqrt(1 / SECOND))
+
+    def forward(self, of_each, of_pixel):
+        first = torch.einsum("hi,bik->bhk", self.of_each, of_each) + self.places
+        first = (first + (of_pixel @ self.of_pixel.t())[:, :, None]).relu()
+        second = torch.einsum("gh,bhk->bgk", self.second, first) + self.second_offsets[:, None]
+        return torch.einsum("g,bgk->bk", self.last, second.relu())
+
+
+def load(path):
+    samples = np.fromfile(path, "<f4")
+    if len(samples) == 0 or len(samples) % NUMBERS:
+        raise SystemExit(f"{path}: {len(samples)} numbers, but a pixel has {NUMBERS}; "
+                         "write it with `cargo run --release -p hazcam-training`")
+    samples = samples.reshape(-1, NUMBERS)
+    ends = np.cumsum([1, 1, CANDIDATES, CANDIDATES, OF_EACH * CANDIDATES])
+    parts = np.split(samples, ends, axis=1)
+    truth, weight, disparities, inside, of_each, of_pixel = map(torch.from_numpy, parts)
+    of_each = of_each.half().reshape(-1, OF_EACH, CANDIDATES)
+    # A few pixels that stand for very many would make the steps rough.
+    return truth, weight[:, 0].clamp(max=4), disparities, inside > 0, of_each, of_pixel
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("samples", type=Path)
+    parser.add_argument("--minutes", type=float, default=5)
+    parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
+    parser.add_argument("--weights", type=Path, required=True, help="the file to append to")
+    arguments = parser.parse_args()
+    for file in (arguments.samples, arguments.weights):
+        if not file.is_file():
+            parser.error(f"{file}: no such file")
+    torch.manual_seed(1)
+    truth, weight, disparities, inside, of_each, of_pixel = load(arguments.samples)
+    print(f"{len(truth)} pixels", flush=True)
+    error = (disparities - truth).abs()
+    near = (torch.exp(-((error / 1.2) ** 2)) + 0.02 * torch.exp(-error / 4) + 1e-6).log()
+    judge = Judge()
+    optimizer = torch.optim.AdamW(judge.parameters(), arguments.rate, weight_decay=1e-4)
+    begun, steps, losses = time.time(), 0, []
+    while (elapsed := (time.time() - begun) / 60 / arguments.minutes) < 1:
+        fall = (1 + math.cos(math.pi * elapsed)) / 2 + 0.01
+        for group in optimizer.param_groups:
+            group["lr"] = arguments.rate * fall * min(1, (steps + 1) / 200)
+        batch = torch.randint(len(truth), (BATCH,))
+        scores = judge(of_each[batch].float(), of_pixel[batch]).masked_fill(~inside[batch], -40)
+        likely = F.log_softmax(scores, 1)
+        off = error[batch]
+        expected = (likely.exp() * ((off > 2) + 0.05 * off.clamp(max=20))).sum(1)
+        loss = (weight[batch] * (expected - 0.3 * torch.logsumexp(likely + near[batch], 1))).mean()
+        optimizer.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(judge.parameters(), 1.0)
+        optimizer.step()
+        losses.append(loss.item())
+        steps += 1
+        if steps % 2000 == 0:
+            print(f"{steps} steps: {np.mean(losses[-2000:]):.4f}", flush=True)
+    numbers = np.concatenate([p.detach().numpy().astype("<f4").ravel() for p in judge.parameters()])
+    beside = Path(f"{arguments.weights}.part")
+    beside.write_bytes(arguments.weights.read_bytes() + numbers.tobytes())
+    beside.replace(arguments.weights)
+    print(f"{steps} steps; {len(numbers)} numbers appended to {arguments.weights}")
+
+
+if __name__ == "__main__":
+    main()
