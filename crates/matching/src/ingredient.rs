@@ -183,7 +183,7 @@ impl Ingredient {
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             PathMargin => (
                 "path-margin",
-                "confidence: how far the winner's sum lies below any other",
+                "confidence: how far the winner's sum lies below any other; in best, times the judge's certainty",
                 "1 / (1 + difference of the two views' disparities)",
             ),
         }

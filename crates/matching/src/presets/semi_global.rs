@@ -438,6 +438,9 @@ impl SemiGlobalMatching {
             std::mem::swap(sure, certainty);
             done = done + unconfirm(width, work.x0, other, values, reasons);
         }
+        if !ingredients.has(Ingredient::PathMargin) {
+            return done;
+        }
         for (to, from) in confidence.chunks_exact_mut(width).zip(sure.samples().chunks(columns)) {
             to[work.x0..][..columns].iter_mut().zip(from).for_each(|(to, from)| *to *= from);
         }
