@@ -1,21 +1,17 @@
 //! Which pixels are learned from, and what is written of them.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
-
 use arena::dataset::CaseData;
 use matching::MatchError;
-use matching::training::{CANDIDATES, OF_EACH, OF_PIXEL, choices};
+use matching::training::{CANDIDATES, OF_EACH, OF_PIXEL, Pixel, choices};
 use raster::Plane;
-
-use crate::random::Random;
+use scenes::Random;
 
 /// Numbers of a pixel: its truth, how many pixels it stands for (in the mean 1), disparities, which of
 /// them count, what is known of each, of the pixel.
 pub const NUMBERS: usize = 2 + CANDIDATES * (2 + OF_EACH) + OF_PIXEL;
 
 /// How much a pixel is wanted: more where the map is wrong and along edges, less where all is flat.
-fn wanted(values: &Plane<f32>, truth: &Plane<f32>, x: usize, y: usize) -> f32 {
+fn wanted(values: &Plane<f32>, truth: &Plane<f32>, x: usize, y: usize) -> f64 {
     let error = (values.row(y)[x] - truth.row(y)[x]).abs();
     if error.is_nan() {
         return 0.0;
@@ -37,38 +33,40 @@ fn wanted(values: &Plane<f32>, truth: &Plane<f32>, x: usize, y: usize) -> f32 {
         }
 }
 
-/// About so many pixels of a pair: [`NUMBERS`] for each.
-pub fn lesson(data: &CaseData, pixels: usize, seed: u64) -> Result<Vec<f32>, MatchError> {
-    let truth = data.truth.clone().expect("scenes to learn from have truth");
-    let chances = Arc::new(Mutex::new(HashMap::new()));
-    let pick = {
-        let (truth, chances) = (truth.clone(), Arc::clone(&chances));
-        move |values: &Plane<f32>| {
-            let wanted = Plane::from_fn(values.columns(), values.rows(), |x, y| {
-                wanted(values, &truth, x, y)
-            });
-            let all: f64 = wanted.samples().iter().map(|&wanted| f64::from(wanted)).sum();
-            let mut random = Random::new(seed);
-            let mut chances = chances.lock().expect("nobody fails with it");
-            for y in 0..values.rows() {
-                for x in 0..values.columns() {
-                    let chance = (pixels as f64 * f64::from(wanted.row(y)[x]) / all) as f32;
-                    if random.unit() < chance {
-                        chances.insert((x, y), chance.min(1.0));
-                    }
-                }
-            }
-            let mut places: Vec<_> = chances.keys().copied().collect();
-            places.sort_unstable();
-            places
+/// About so many pixels of a map, by chance, the more wanted ones more often; each stands for as many as
+/// its chance says, in the mean for one.
+fn picked(
+    values: &Plane<f32>,
+    truth: &Plane<f32>,
+    pixels: usize,
+    random: &mut Random,
+) -> Vec<Pixel> {
+    let (columns, rows) = values.size();
+    let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let all: f64 = places().map(|(column, row)| wanted(values, truth, column, row)).sum();
+    let mut picked = Vec::new();
+    for (column, row) in places() {
+        let chance = pixels as f64 * wanted(values, truth, column, row) / all;
+        if random.chance(chance) {
+            picked.push(Pixel { column, row, weight: 1.0 / chance.min(1.0) as f32 });
         }
+    }
+    let mean = picked.iter().map(|pixel| pixel.weight).sum::<f32>() / picked.len() as f32;
+    picked.iter_mut().for_each(|pixel| pixel.weight /= mean);
+    picked
+}
+
+/// What is learned from about so many pixels of a pair: [`NUMBERS`] for each.
+pub fn lesson(data: &CaseData, pixels: usize, mut random: Random) -> Result<Vec<f32>, MatchError> {
+    let truth = data.truth.as_ref().expect("scenes to learn from have truth");
+    let pick = {
+        let truth = truth.clone();
+        move |values: &Plane<f32>| picked(values, &truth, pixels, &mut random)
     };
     let known = choices(&data.left, &data.right, data.range, pick)?;
-    let chances = chances.lock().expect("nobody fails with it");
-    let mean: f32 = chances.values().map(|chance| 1.0 / chance).sum::<f32>() / chances.len() as f32;
     let mut numbers = Vec::with_capacity(known.len() * NUMBERS);
-    for ((x, y), known) in known {
-        numbers.extend([truth.row(y)[x], 1.0 / (chances[&(x, y)] * mean)]);
+    for (Pixel { column, row, weight }, known) in known {
+        numbers.extend([truth.row(row)[column], weight]);
         numbers.extend(known.disparities);
         numbers.extend(known.inside.map(|inside| f32::from(u8::from(inside))));
         numbers.extend(known.of_each.iter().flatten());

@@ -8,19 +8,15 @@
 //! Pairs: the tuning scenes of `$HAZCAM_DATA`, and rendered scenes whose seeds no measurement uses.
 
 mod lessons;
-mod random;
 
 use std::error::Error;
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use arena::dataset::{self, CaseData, Purpose};
 use clap::Parser;
-use scenes::{Kind, Settings};
-
-use crate::random::Random;
+use formats::write_atomically;
+use scenes::{Kind, Random, Settings};
 
 /// Writes what `choice.py` learns from.
 #[derive(Parser)]
@@ -44,15 +40,16 @@ struct Arguments {
 
 /// Rendered scenes with smaller seeds are for measurements.
 const FIRST_SEED: u64 = 1000;
+/// Keeps this program's chances apart from those of the scenes.
+const PURPOSE: &str = "training";
 
-/// A rendered pair, under the circumstances that its seed gives it.
-fn rendered(kind: Kind, seed: u64) -> Result<CaseData, Box<dyn Error>> {
-    let mut random = Random::new(seed);
+/// A rendered pair, under circumstances that come by chance.
+fn rendered(kind: Kind, seed: u64, random: &mut Random) -> Result<CaseData, Box<dyn Error>> {
     let mut settings = Settings::new(kind, seed);
-    settings.noise = [0.5, 1.0, 2.0, 5.0][random.below(4)];
-    settings.contrast = 0.2 + 0.8 * f64::from(random.unit());
-    settings.right_exposure = 0.8 + 0.4 * f64::from(random.unit());
-    settings.max_disparity = [32, 64, 64, 100][random.below(4)];
+    settings.noise = random.pick(&[0.5, 1.0, 2.0, 5.0]);
+    settings.contrast = random.between(0.2, 1.0);
+    settings.right_exposure = random.between(0.8, 1.2);
+    settings.max_disparity = random.pick(&[32, 64, 64, 100]);
     let scene = scenes::render(&settings)?;
     let mut data = CaseData::new(scene.left, scene.right, scene.range);
     data.truth = Some(scene.truth_left);
@@ -60,14 +57,11 @@ fn rendered(kind: Kind, seed: u64) -> Result<CaseData, Box<dyn Error>> {
 }
 
 fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let part = arguments.out.with_extension("part");
-    let mut out = BufWriter::new(File::create(&part)?);
-    let mut all = 0;
-    let mut add = |name: &str, data: &CaseData, pixels: usize, seed: u64| {
-        let lesson = lessons::lesson(data, pixels, seed)?;
-        all += lesson.len() / lessons::NUMBERS;
-        lesson.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))?;
+    let mut samples = Vec::new();
+    let mut add = |name: &str, data: &CaseData, pixels: usize, random: Random| {
+        let lesson = lessons::lesson(data, pixels, random)?;
         println!("{name}: {} pixels", lesson.len() / lessons::NUMBERS);
+        samples.extend(lesson);
         Ok::<_, Box<dyn Error>>(())
     };
     let cases = dataset::open(&arguments.data)?;
@@ -76,19 +70,22 @@ fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         if arguments.without.iter().any(|part| case.id.contains(part)) {
             continue;
         }
-        let data = case.load()?;
         // The views of the moon are much alike.
         let pixels = arguments.pixels / if case.family() == "lunar" { 4 } else { 1 };
-        add(&case.id, &data, pixels, seed)?;
+        add(&case.id, &case.load()?, pixels, Random::new(seed, PURPOSE))?;
     }
     for kind in Kind::NAMED {
         for seed in FIRST_SEED..FIRST_SEED + arguments.rendered {
-            add(&format!("{kind} {seed}"), &rendered(kind, seed)?, arguments.pixels / 4, seed)?;
+            let mut random = Random::new(seed, PURPOSE);
+            let data = rendered(kind, seed, &mut random)?;
+            add(&format!("{kind} {seed}"), &data, arguments.pixels / 4, random)?;
         }
     }
-    out.flush()?;
-    fs::rename(&part, &arguments.out)?;
-    println!("{all} pixels; {} written", arguments.out.display());
+    write_atomically(&arguments.out, |writer| {
+        samples.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+    })?;
+    let pixels = samples.len() / lessons::NUMBERS;
+    println!("{pixels} pixels; {} written", arguments.out.display());
     Ok(())
 }
 

@@ -3,16 +3,13 @@
 use raster::{BoundingBox, DisparityRange, Image, Plane};
 
 use crate::matcher::Frame;
-pub use crate::refinement::choice::{CANDIDATES, Known, OF_EACH, OF_PIXEL};
-use crate::refinement::choice::{Lesson, Pick};
+use crate::refinement::choice::Lesson;
+pub use crate::refinement::choice::{CANDIDATES, Known, OF_EACH, OF_PIXEL, Pixel};
 use crate::{MatchError, presets};
 
-/// Column and row.
-pub type Pixel = (usize, usize);
-
 /// What `best` knows of pixels of a pair of images of equal size when the judges that it has so far
-/// have spoken. `pick` says which when it has seen the disparities up to there;
-/// those without a choice are left out.
+/// have spoken. `pick` says which when it has seen the disparities up to there; those without a choice
+/// are left out.
 pub fn choices(
     left: &Image,
     right: &Image,
@@ -21,6 +18,5 @@ pub fn choices(
 ) -> Result<Vec<(Pixel, Known)>, MatchError> {
     let (columns, rows) = left.size();
     let frame = Frame { left, right, bounds: BoundingBox::whole(columns, rows), range };
-    let lesson = Lesson::new(Box::new(pick) as Box<Pick>);
-    Ok(presets::teach(&frame, lesson)?.known)
+    Ok(presets::teach(&frame, Lesson::new(pick))?.known)
 }

@@ -50,5 +50,6 @@ pub use kinds::Kind;
 pub use masks::{
     DISCONTINUITY_GAP, DISCONTINUITY_WINDOW, TEXTURELESS_THRESHOLD, TEXTURELESS_WINDOW, THIN_WIDTH,
 };
+pub use random::Random;
 pub use render::{OCCLUSION_TOLERANCE, Scene, render};
 pub use settings::{Channels, Depth, Settings, SettingsError};

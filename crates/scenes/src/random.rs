@@ -65,9 +65,9 @@ pub(crate) fn normal(hash: u64) -> f64 {
     (sum as f64 - 8.0 * 32_767.5) / DEVIATION
 }
 
-/// A stream of numbers from a seed.
+/// A stream of numbers from a seed: the same on every machine.
 #[derive(Debug, Clone)]
-pub(crate) struct Random {
+pub struct Random {
     state: u64,
 }
 
@@ -109,7 +109,7 @@ impl Random {
     }
 
     /// A uniformly distributed direction: a point of the cube, kept when it lies in the ball.
-    pub fn direction(&mut self) -> Vector {
+    pub(crate) fn direction(&mut self) -> Vector {
         loop {
             let v =
                 vector(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0));
@@ -121,7 +121,7 @@ impl Random {
     }
 
     /// A uniformly distributed turn (a quaternion drawn like [`Random::direction`]).
-    pub fn frame(&mut self) -> Frame {
+    pub(crate) fn frame(&mut self) -> Frame {
         loop {
             let w = self.between(-1.0, 1.0);
             let v =

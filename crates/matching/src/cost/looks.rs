@@ -17,7 +17,7 @@ use crate::profile::Work;
 
 /// What one census bit, a grey step and a grey difference count, the last two at most.
 const BIT: u8 = 5;
-const LARGEST_STEP: u8 = 20;
+pub(crate) const LARGEST_STEP: u8 = 20;
 const LARGEST_GREY: u8 = 10;
 
 /// Operations on bytes per pixel and disparity: words are compared, their bits counted and weighed; two

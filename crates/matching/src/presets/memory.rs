@@ -13,6 +13,7 @@ use crate::optimization::bands::{Bands, Volume};
 use crate::optimization::semi_global::SemiGlobal;
 use crate::optimization::support_weights::SupportWeights;
 use crate::prepare::descriptor::Descriptors;
+use crate::refinement::choice::Choices;
 use crate::refinement::groups::Groups;
 
 /// What semi-global sums take at most where no limit was given. Bands cost time, so the pairs of the
@@ -96,8 +97,7 @@ impl Needs {
                 4 * part + right + SupportWeights::bytes(width, lines, space.count)
             }
         };
-        // How sure pixels are, before and after.
-        let choice = if choice { 2 * 4 * part } else { 0 };
+        let choice = if choice { Choices::bytes(part) } else { 0 };
         let refined = filled + seen + support_weights + choice;
         let stages = images + grey + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };

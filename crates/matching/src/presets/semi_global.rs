@@ -23,11 +23,10 @@ use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::profile::{Profile, Work};
-use crate::refinement::choice::{self, Lesson, Scene};
+use crate::refinement::choice::{Choices, Given, Lesson};
 use crate::refinement::groups::Groups;
-use crate::refinement::median::median_row;
+use crate::refinement::median::median_of_map;
 use crate::refinement::plane_fill::fill;
-use crate::refinement::row_fill::filled;
 use crate::refinement::slopes::Slopes;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::{ViewMap, cross_check, disagreements};
@@ -101,10 +100,7 @@ pub(crate) struct SemiGlobalMatching {
     others: [Looks; 2],
     slopes: Slopes,
     weights: SupportWeights,
-    /// How sure pixels of the left view are, before a round of choices and after it.
-    certainty: [Plane<f32>; 2],
-    /// Where judges are taught: what is known when those that there are have spoken.
-    lesson: Option<Lesson>,
+    choices: Choices,
     /// Rows of medians, one for each thread.
     medians: Vec<Vec<u16>>,
     /// The bytes that it may take, with the answer.
@@ -115,12 +111,12 @@ impl SemiGlobalMatching {
     /// With all ingredients, and a lesson to be learned from the first frame.
     pub fn teaching(level: Level, lesson: Lesson) -> Self {
         let all = Ingredients::of(Preset::Best, &[]);
-        Self { lesson: Some(lesson), ..Self::new(all, level, None) }
+        Self { choices: Choices::teaching(lesson), ..Self::new(all, level, None) }
     }
 
     /// The lesson, learned.
     pub fn into_lesson(self) -> Option<Lesson> {
-        self.lesson
+        self.choices.into_lesson()
     }
 
     pub fn new(ingredients: Ingredients, level: Level, memory: Option<usize>) -> Self {
@@ -140,8 +136,7 @@ impl SemiGlobalMatching {
             others: Default::default(),
             slopes: Slopes::default(),
             weights: SupportWeights::default(),
-            certainty: Default::default(),
-            lesson: None,
+            choices: Choices::default(),
             medians: Vec::new(),
         }
     }
@@ -161,15 +156,6 @@ fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) -> Work {
         }
     }
     Work::bytes(view.bytes(rows) + columns * rows)
-}
-
-/// The median of 3 x 3 pixels.
-fn small_median(level: Level, values: &Plane<f32>, out: &mut Plane<f32>) -> Work {
-    let (columns, rows) = values.size();
-    out.reset(columns, rows, 0.0);
-    let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
-    rows.for_each(|(y, out)| median_row(level, values, y, out));
-    Work::bytes(2 * size_of_val(values.samples()))
 }
 
 /// A map in fixed point.
@@ -249,7 +235,7 @@ impl View {
     ) -> Work {
         let Search { ingredients, level, width, range, .. } = search;
         let filled = fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
-        let smoothed = small_median(level, &self.filled, &mut self.smooth);
+        let smoothed = median_of_map(level, &self.filled, &mut self.smooth);
         let pair = Pair {
             base: &self.looks,
             other,
@@ -397,54 +383,30 @@ impl SemiGlobalMatching {
     /// as the judge is certain.
     fn choose(&mut self, search: Search, confidence: &mut [f32]) -> Work {
         let Search { ingredients, level, work, width, range, .. } = search;
-        let View { map, filled: values, looks, .. } = &mut self.left;
-        let ViewMap { values: other, reasons, .. } = map;
-        let (columns, rows) = values.size();
-        let [sure, certainty] = &mut self.certainty;
-        sure.reset(columns, rows, 0.0);
-        let of_image = || confidence.chunks_exact(width).map(|row| &row[work.x0..][..columns]);
-        let to = sure.samples_mut().chunks_exact_mut(columns);
-        to.zip(of_image()).for_each(|(to, from)| to.copy_from_slice(from));
-        let mut done = Work::bytes(2 * 2 * size_of_val(sure.samples()));
-        let judges = choice::judges(ingredients.has(Ingredient::LastChoice));
-        for (round, judge) in judges.iter().map(Some).chain([None]).enumerate() {
-            if judge.is_none() && self.lesson.is_none() {
-                break;
+        let View { map, filled, looks, .. } = &mut self.left;
+        let columns = work.x0..work.x0 + filled.columns();
+        let given = Given {
+            doubtful: &self.doubtful,
+            base: looks,
+            other: &self.others[0],
+            right: &self.right.map.values,
+            first: work.x0,
+            least: range.min() as f32,
+            most: range.max() as f32,
+        };
+        let before = confidence.chunks_exact(width).map(|row| &row[columns.clone()]);
+        self.choices.begin(filled.size(), before);
+        let with_last = ingredients.has(Ingredient::LastChoice);
+        let slopes = &mut self.slopes;
+        let done = self.choices.run(level, with_last, &given, slopes, filled, map);
+        if ingredients.has(Ingredient::PathMargin) {
+            let certainty = self.choices.certainty().chunks_exact(columns.len());
+            for (to, from) in confidence.chunks_exact_mut(width).zip(certainty) {
+                to[columns.clone()].iter_mut().zip(from).for_each(|(to, from)| *to *= from);
             }
-            if round > 0 {
-                done = done + small_median(level, values, other);
-                std::mem::swap(values, other);
-            }
-            done = done + self.slopes.compute(level, values);
-            let scene = Scene {
-                values,
-                slopes: &self.slopes,
-                reasons,
-                doubtful: &self.doubtful,
-                confidence: sure,
-                base: looks,
-                other: &self.others[0],
-                right: &self.right.map.values,
-                first: work.x0,
-                least: range.min() as f32,
-                most: range.max() as f32,
-            };
-            let Some(judge) = judge else {
-                self.lesson.as_mut().expect("it was asked for").learn(&scene);
-                break;
-            };
-            done = done + choice::choose(level, judge, &scene, certainty, other);
-            std::mem::swap(values, other);
-            std::mem::swap(sure, certainty);
-            done = done + unconfirm(width, work.x0, other, values, reasons);
         }
-        if !ingredients.has(Ingredient::PathMargin) {
-            return done;
-        }
-        for (to, from) in confidence.chunks_exact_mut(width).zip(sure.samples().chunks(columns)) {
-            to[work.x0..][..columns].iter_mut().zip(from).for_each(|(to, from)| *to *= from);
-        }
-        done
+        // Confidence is copied, and multiplied.
+        done + Work::bytes(5 * size_of_val(filled.samples()))
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -483,29 +445,6 @@ impl SemiGlobalMatching {
         let pixel = Work::bytes(2 + 4) + Work::operations(median);
         pixel * (bounds.columns() * bounds.rows())
     }
-}
-
-/// Says what the pixels of a map are that had the disparities `before`: one that took another is not
-/// confirmed any more.
-fn unconfirm(
-    width: usize,
-    first: usize,
-    before: &Plane<f32>,
-    now: &Plane<f32>,
-    reasons: &mut Plane<Reason>,
-) -> Work {
-    for y in 0..now.rows() {
-        let values = before.row(y).iter().zip(now.row(y));
-        for ((column, (before, now)), reason) in (first..).zip(values).zip(reasons.row_mut(y)) {
-            let hole = match *reason {
-                Reason::Matched if (before - now).abs() <= GROUP_STEP => continue,
-                Reason::Matched | Reason::MismatchedFilled => Reason::MismatchedHole,
-                _ => Reason::OccludedHole,
-            };
-            *reason = filled(width, column, *now, hole);
-        }
-    }
-    Work::bytes(2 * size_of_val(now.samples()) + 2 * size_of_val(reasons.samples()))
 }
 
 /// Leaves a plane's box as it is, and fills the rest.

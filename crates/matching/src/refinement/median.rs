@@ -3,12 +3,23 @@
 //! In: finite values, borders repeated. Out: one row of medians.
 
 use raster::Plane;
+use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::{copy_with_ends, order};
+use crate::profile::Work;
 
 /// Pixels that are done together.
 const BLOCK: usize = 64;
+
+/// The medians of a map without holes.
+pub(crate) fn median_of_map(level: Level, values: &Plane<f32>, out: &mut Plane<f32>) -> Work {
+    let (columns, rows) = values.size();
+    out.reset(columns, rows, 0.0);
+    let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
+    rows.for_each(|(y, out)| median_row(level, values, y, out));
+    Work::bytes(2 * size_of_val(values.samples()))
+}
 
 /// The medians around row `y` of a map without holes; beyond its ends it is repeated.
 pub(crate) fn median_row(level: Level, values: &Plane<f32>, y: usize, out: &mut [f32]) {

@@ -5,7 +5,7 @@
 
 use raster::{Plane, Reason};
 
-use crate::cost::looks::Looks;
+use crate::cost::looks::{LARGEST_STEP, Looks};
 use crate::refinement::slopes::Slopes;
 
 /// Candidates of a pixel.
@@ -63,14 +63,10 @@ const SETTLED: f32 = 1.0;
 /// The 3 x 3 pixels that are compared with those of a match stand so far apart.
 const APART: i64 = 2;
 
-/// A map without holes, and all that is known of it and of the images.
-pub(crate) struct Scene<'a> {
-    pub values: &'a Plane<f32>,
-    pub slopes: &'a Slopes,
-    pub reasons: &'a Plane<Reason>,
+/// What is known of the images and of both views, and stays as it is.
+pub(crate) struct Given<'a> {
     /// Where descriptors were asked; empty where nowhere.
     pub doubtful: &'a Plane<bool>,
-    pub confidence: &'a Plane<f32>,
     pub base: &'a Looks,
     pub other: &'a Looks,
     /// The disparities of the right view, in a mirror.
@@ -79,6 +75,15 @@ pub(crate) struct Scene<'a> {
     pub first: usize,
     pub least: f32,
     pub most: f32,
+}
+
+/// A map without holes, and all that is known of it.
+pub(crate) struct Scene<'a> {
+    pub values: &'a Plane<f32>,
+    pub slopes: &'a Slopes,
+    pub reasons: &'a Plane<Reason>,
+    pub confidence: &'a Plane<f32>,
+    pub given: &'a Given<'a>,
 }
 
 /// A pixel's candidates and what is known of them.
@@ -154,8 +159,8 @@ impl Scene<'_> {
             let steep =
                 self.slopes.along.row(v)[u] * dx as f32 + self.slopes.down.row(v)[u] * dy as f32;
             let d = if inside { value - steep } else { here };
-            let d = if d < self.least { self.least } else { d };
-            let d = if d > self.most { self.most } else { d };
+            let d = if d < self.given.least { self.given.least } else { d };
+            let d = if d > self.given.most { self.given.most } else { d };
             smallest = if d < smallest { d } else { smallest };
             largest = if d > largest { d } else { largest };
             (known.disparities[k], known.inside[k]) = (d, inside);
@@ -184,7 +189,7 @@ impl Scene<'_> {
     fn is_settled(&self, x: usize, y: usize) -> bool {
         let i = y * self.values.columns() + x;
         self.reasons.samples()[i] == Reason::Matched
-            && self.doubtful.samples().get(i) != Some(&true)
+            && self.given.doubtful.samples().get(i) != Some(&true)
     }
 
     /// What is known of places, of matches, and of the pixel.
@@ -192,9 +197,9 @@ impl Scene<'_> {
     fn look(&self, x: usize, y: usize, places: &[(usize, usize); CANDIDATES], known: &mut Known) {
         let confidence = |x: usize, y: usize| self.confidence.row(y)[x];
         let doubtful = |x: usize, y: usize| {
-            self.doubtful.samples().get(y * self.values.columns() + x) == Some(&true)
+            self.given.doubtful.samples().get(y * self.values.columns() + x) == Some(&true)
         };
-        let grey = |x: usize, y: usize| f32::from(self.base.row(y)[2][self.first + x]);
+        let grey = |x: usize, y: usize| f32::from(self.given.base.row(y)[2][self.given.first + x]);
         let here = grey(x, y);
         let mut fits = [Fit::default(); CANDIDATES];
         let mut found = 0;
@@ -239,7 +244,7 @@ impl Scene<'_> {
     /// The row of the map and the columns of the image that are looked at around a pixel.
     #[inline(always)]
     fn around(&self, x: i64, y: usize, dy: i64) -> (usize, [usize; 3]) {
-        let last = self.base.columns() as i64 - 1;
+        let last = self.given.base.columns() as i64 - 1;
         let row = (y as i64 + dy).clamp(0, self.values.rows() as i64 - 1) as usize;
         // Written out: what a closure does is not compiled for the level.
         let [before, here, after] = [x - APART, x, x + APART];
@@ -255,21 +260,21 @@ impl Scene<'_> {
 
     #[inline(always)]
     fn fit(&self, x: usize, y: usize, disparity: i32) -> Fit {
-        let width = self.base.columns() as i64;
-        let x = (self.first + x) as i64;
+        let width = self.given.base.columns() as i64;
+        let x = (self.given.first + x) as i64;
         let at = x - i64::from(disparity);
         let (mut bits, mut steps, mut here) = (0, 0, 0);
         for dy in [-APART, 0, APART] {
             let (row, columns) = self.around(x, y, dy);
             let (_, others) = self.around(at, y, dy);
             let ([census, step, _], [other_census, other_step, _]) =
-                (self.base.row(row), self.other.row(row));
+                (self.given.base.row(row), self.given.other.row(row));
             for i in 0..3 {
                 let (u, v) = (columns[i], others[i]);
                 let unlike = (census[u] ^ other_census[v]).count_ones();
                 bits += unlike;
                 here = if dy == 0 && i == 1 { unlike } else { here };
-                steps += u32::from(step[u].abs_diff(other_step[v]).min(20));
+                steps += u32::from(step[u].abs_diff(other_step[v]).min(LARGEST_STEP));
             }
         }
         let mirrored = (width - 1 - at).clamp(0, width - 1) as usize;
@@ -278,7 +283,7 @@ impl Scene<'_> {
             census: bits as f32 / 36.0,
             census_here: here as f32 / 4.0,
             steps: steps as f32 / 90.0,
-            right: self.right.row(y)[mirrored],
+            right: self.given.right.row(y)[mirrored],
             outside: at < 0 || at >= width,
         }
     }
@@ -288,8 +293,8 @@ impl Scene<'_> {
     fn texture(&self, x: usize, y: usize) -> f32 {
         let mut sum = 0;
         for dy in [-APART, 0, APART] {
-            let (row, columns) = self.around((self.first + x) as i64, y, dy);
-            let steps = self.base.row(row)[1];
+            let (row, columns) = self.around((self.given.first + x) as i64, y, dy);
+            let steps = self.given.base.row(row)[1];
             for column in columns {
                 sum += u32::from(steps[column].abs_diff(128).min(32));
             }

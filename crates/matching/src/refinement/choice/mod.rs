@@ -14,16 +14,20 @@
 mod candidates;
 mod judge;
 mod lesson;
+mod rounds;
 
 use std::sync::LazyLock;
 
 use raster::Plane;
 use rayon::prelude::*;
 
-pub(crate) use self::candidates::Scene;
+pub(crate) use self::candidates::Given;
+use self::candidates::Scene;
 pub use self::candidates::{CANDIDATES, Known, OF_EACH, OF_PIXEL};
 use self::judge::Judge;
-pub(crate) use self::lesson::{Lesson, Pick};
+pub(crate) use self::lesson::Lesson;
+pub use self::lesson::Pixel;
+pub(crate) use self::rounds::Choices;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
@@ -32,21 +36,19 @@ use crate::profile::Work;
 const TRAINED: &[u8] = include_bytes!("weights.bin");
 
 static JUDGES: LazyLock<Vec<Judge>> = LazyLock::new(|| {
-    let numbers: Vec<f32> =
-        TRAINED.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect();
-    let judges = numbers.chunks_exact(Judge::NUMBERS);
-    judges.map(|numbers| Judge::new(numbers.iter().copied())).collect()
+    let judges = TRAINED.as_chunks().0.chunks_exact(Judge::NUMBERS);
+    judges.map(|numbers| Judge::new(numbers.iter().copied().map(f32::from_le_bytes))).collect()
 });
 
 /// The judges, one for each round of choices, with or without the last one.
-pub(crate) fn judges(with_last: bool) -> &'static [Judge] {
+fn judges(with_last: bool) -> &'static [Judge] {
     let without = JUDGES.len().saturating_sub(1);
     if with_last { &JUDGES } else { &JUDGES[..without] }
 }
 
 /// Lets every pixel of `scene` choose, into `out`; `certainty` says how sure the judge is, 1 where there
 /// is nothing to choose.
-pub(crate) fn choose(
+fn choose(
     level: Level,
     judge: &Judge,
     scene: &Scene<'_>,
@@ -62,7 +64,9 @@ pub(crate) fn choose(
         let mut known = Known::default();
         choose_row(level, judge, scene, y, &mut known, out, certainty)
     });
-    Work::bytes((4 * 4 + 2 + 2 * 3) * scene.values.samples().len())
+    // Values, slopes, confidence and the right view are read, the choice and its certainty written;
+    // reasons, doubts and the looks of both views are bytes.
+    Work::bytes((4 * (5 + 2) + 2 + 2 * 3) * scene.values.samples().len())
         + Work::operations(Judge::OPERATIONS) * chosen.sum::<usize>()
 }
 
@@ -155,19 +159,25 @@ mod tests {
             }
         }
 
-        fn scene(&self) -> Scene<'_> {
-            Scene {
-                values: &self.values,
-                slopes: &self.slopes,
-                reasons: &self.reasons,
+        fn given(&self) -> Given<'_> {
+            Given {
                 doubtful: &self.doubtful,
-                confidence: &self.confidence,
                 base: &self.looks[0],
                 other: &self.looks[1],
                 right: &self.right,
                 first: FIRST,
                 least: 0.0,
                 most: 20.0,
+            }
+        }
+
+        fn scene<'a>(&'a self, given: &'a Given<'a>) -> Scene<'a> {
+            Scene {
+                values: &self.values,
+                slopes: &self.slopes,
+                reasons: &self.reasons,
+                confidence: &self.confidence,
+                given,
             }
         }
     }
@@ -182,7 +192,7 @@ mod tests {
         world.reasons.row_mut(y)[x] = Reason::MismatchedFilled;
         world.doubtful.row_mut(y)[x] = true;
         let mut known = Known::default();
-        assert!(world.scene().know(x, y, &mut known));
+        assert!(world.scene(&world.given()).know(x, y, &mut known));
         let at = |d: f32| known.disparities.iter().position(|&other| other == d).unwrap();
         let (own, wall) = (at(12.0), at(4.0));
         assert_eq!(own, 0);
@@ -207,13 +217,13 @@ mod tests {
     fn flat_ground_and_settled_matches_have_nothing_to_choose() {
         let mut known = Known::default();
         let flat = World::new(Plane::filled(COLUMNS, ROWS, 4.0));
-        assert!(!flat.scene().know(30, 20, &mut known));
+        assert!(!flat.scene(&flat.given()).know(30, 20, &mut known));
         // The edge is twelve columns away: only pixels that were filled, or in doubt, look that far.
         let mut world =
             World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| if x < 40 { 4.0 } else { 12.0 }));
-        assert!(!world.scene().know(52, 20, &mut known));
+        assert!(!world.scene(&world.given()).know(52, 20, &mut known));
         world.doubtful.row_mut(20)[52] = true;
-        assert!(world.scene().know(52, 20, &mut known));
+        assert!(world.scene(&world.given()).know(52, 20, &mut known));
     }
 
     #[test]
@@ -230,7 +240,9 @@ mod tests {
         let choices = |level, threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let [mut certainty, mut out] = [Plane::default(), Plane::default()];
-            pool.install(|| choose(level, &judge, &world.scene(), &mut certainty, &mut out));
+            pool.install(|| {
+                choose(level, &judge, &world.scene(&world.given()), &mut certainty, &mut out)
+            });
             (certainty, out)
         };
         let expected = choices(Level::available()[0], 1);
@@ -251,7 +263,13 @@ mod tests {
             world.confidence.row_mut(y)[64 - FIRST..70 - FIRST].fill(0.0);
         }
         let [mut certainty, mut out] = [Plane::default(), Plane::default()];
-        choose(Level::detect(), &judges(true)[0], &world.scene(), &mut certainty, &mut out);
+        choose(
+            Level::detect(),
+            &judges(true)[0],
+            &world.scene(&world.given()),
+            &mut certainty,
+            &mut out,
+        );
         let wrong = |values: &Plane<f32>| {
             let rows = 5..ROWS - 5;
             let pixels = rows.flat_map(|y| (0..COLUMNS).map(move |x| (x, y)));
