@@ -72,6 +72,16 @@ impl Looks {
         self.0.columns() / 3
     }
 
+    pub fn rows(&self) -> usize {
+        self.0.rows()
+    }
+
+    /// The grey value of pixel `(x, y)`.
+    #[inline(always)]
+    pub fn grey(&self, x: usize, y: usize) -> u8 {
+        self.0.samples()[(3 * y + 2) * self.columns() + x]
+    }
+
     /// The parts of row `y`.
     pub fn row(&self, y: usize) -> [&[u8]; 3] {
         let row = self.0.row(y);

@@ -147,7 +147,12 @@ impl Scene<'_> {
     #[inline(always)]
     pub fn know(&self, x: usize, y: usize, known: &mut Known) -> bool {
         let (columns, rows) = self.values.size();
-        let here = self.values.row(y)[x];
+        // All of one length: an index is checked once.
+        let pixels = columns * rows;
+        let values = &self.values.samples()[..pixels];
+        let along = &self.slopes.along.samples()[..pixels];
+        let down = &self.slopes.down.samples()[..pixels];
+        let here = values[y * columns + x];
         let (mut smallest, mut largest) = (here, here);
         let mut places = [(0, 0); CANDIDATES];
         for k in 0..CANDIDATES {
@@ -155,10 +160,9 @@ impl Scene<'_> {
             let (u, v) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
             let inside = u >= 0 && v >= 0 && u < columns as i64 && v < rows as i64;
             let (u, v) = if inside { (u as usize, v as usize) } else { (x, y) };
-            let value = self.values.row(v)[u];
-            let steep =
-                self.slopes.along.row(v)[u] * dx as f32 + self.slopes.down.row(v)[u] * dy as f32;
-            let d = if inside { value - steep } else { here };
+            let i = v * columns + u;
+            let steep = along[i] * dx as f32 + down[i] * dy as f32;
+            let d = if inside { values[i] - steep } else { here };
             let d = if d < self.given.least { self.given.least } else { d };
             let d = if d > self.given.most { self.given.most } else { d };
             smallest = if d < smallest { d } else { smallest };
@@ -172,7 +176,8 @@ impl Scene<'_> {
         if largest - smallest <= CHOICE {
             return false;
         }
-        self.look(x, y, &places, known);
+        self.look_at_places(x, y, &places, known);
+        self.look_at_matches(x, y, known);
         for k in 0..CANDIDATES {
             let d = known.disparities[k];
             known.of_each[0][k] = bent(d - here);
@@ -188,29 +193,58 @@ impl Scene<'_> {
     #[inline(always)]
     fn is_settled(&self, x: usize, y: usize) -> bool {
         let i = y * self.values.columns() + x;
-        self.reasons.samples()[i] == Reason::Matched
-            && self.given.doubtful.samples().get(i) != Some(&true)
+        self.reasons.samples()[i] == Reason::Matched && !self.is_doubtful(i)
     }
 
-    /// What is known of places, of matches, and of the pixel.
     #[inline(always)]
-    fn look(&self, x: usize, y: usize, places: &[(usize, usize); CANDIDATES], known: &mut Known) {
-        let confidence = |x: usize, y: usize| self.confidence.row(y)[x];
-        let doubtful = |x: usize, y: usize| {
-            self.given.doubtful.samples().get(y * self.values.columns() + x) == Some(&true)
-        };
-        let grey = |x: usize, y: usize| f32::from(self.given.base.row(y)[2][self.given.first + x]);
-        let here = grey(x, y);
+    fn is_doubtful(&self, i: usize) -> bool {
+        self.given.doubtful.samples().get(i) == Some(&true)
+    }
+
+    /// What is known of the pixel, and of the places that its candidates come from.
+    #[inline(always)]
+    fn look_at_places(
+        &self,
+        x: usize,
+        y: usize,
+        places: &[(usize, usize); CANDIDATES],
+        known: &mut Known,
+    ) {
+        let (columns, rows) = self.values.size();
+        let pixels = columns * rows;
+        let along = &self.slopes.along.samples()[..pixels];
+        let down = &self.slopes.down.samples()[..pixels];
+        let confidence = &self.confidence.samples()[..pixels];
+        let reasons = &self.reasons.samples()[..pixels];
+        let own = y * columns + x;
+        let here = f32::from(self.given.base.grey(self.given.first + x, y));
+        for k in 0..CANDIDATES {
+            let (u, v) = places[k];
+            let i = v * columns + u;
+            let there = f32::from(self.given.base.grey(self.given.first + u, v));
+            known.of_each[2][k] = confidence[i];
+            known.of_each[3][k] = share(reasons[i] != Reason::Matched);
+            known.of_each[4][k] = share(self.is_doubtful(i));
+            known.of_each[5][k] = (there - here).abs() * 0.05;
+            known.of_each[16][k] = 2.0 * (along[i].abs() + down[i].abs());
+        }
+        known.of_pixel[..5].copy_from_slice(&[
+            confidence[own],
+            share(reasons[own] == Reason::OccludedFilled),
+            share(reasons[own] == Reason::MismatchedFilled),
+            share(reasons[own] == Reason::OutsideRightFilled),
+            share(self.is_doubtful(own)),
+        ]);
+    }
+
+    /// What is known of the pixel's texture, and of the matches that candidates say it has.
+    #[inline(always)]
+    fn look_at_matches(&self, x: usize, y: usize, known: &mut Known) {
+        let window = Window::new(self.given, x, y);
+        known.of_pixel[5] = window.texture();
         let mut fits = [Fit::default(); CANDIDATES];
         let mut found = 0;
         for k in 0..CANDIDATES {
-            let (u, v) = places[k];
-            known.of_each[2][k] = confidence(u, v);
-            known.of_each[3][k] = share(self.reasons.row(v)[u] != Reason::Matched);
-            known.of_each[4][k] = share(doubtful(u, v));
-            known.of_each[5][k] = (grey(u, v) - here).abs() * 0.05;
-            known.of_each[16][k] =
-                2.0 * (self.slopes.along.row(v)[u].abs() + self.slopes.down.row(v)[u].abs());
             // Many say the same.
             let disparity = (known.disparities[k] + 0.5).floor() as i32;
             let mut which = 0;
@@ -218,7 +252,7 @@ impl Scene<'_> {
                 which += 1;
             }
             if which == found {
-                fits[found] = self.fit(x, y, disparity);
+                fits[found] = window.fit(self.given.right.row(y), disparity);
                 found += 1;
             }
             let fit = &fits[which];
@@ -230,77 +264,83 @@ impl Scene<'_> {
             known.of_each[10][k] = bent(right.abs());
             known.of_each[15][k] = share(fit.outside);
         }
-        let reason = self.reasons.row(y)[x];
-        known.of_pixel = [
-            confidence(x, y),
-            share(reason == Reason::OccludedFilled),
-            share(reason == Reason::MismatchedFilled),
-            share(reason == Reason::OutsideRightFilled),
-            share(doubtful(x, y)),
-            self.texture(x, y),
-        ];
     }
+}
 
-    /// The row of the map and the columns of the image that are looked at around a pixel.
-    #[inline(always)]
-    fn around(&self, x: i64, y: usize, dy: i64) -> (usize, [usize; 3]) {
-        let last = self.given.base.columns() as i64 - 1;
-        let row = (y as i64 + dy).clamp(0, self.values.rows() as i64 - 1) as usize;
-        // Written out: what a closure does is not compiled for the level.
-        let [before, here, after] = [x - APART, x, x + APART];
-        (
-            row,
-            [
-                before.clamp(0, last) as usize,
-                here.clamp(0, last) as usize,
-                after.clamp(0, last) as usize,
-            ],
-        )
-    }
+/// The 3 x 3 pixels of an image that are looked at around a pixel, and the rows of the other image that
+/// they are compared with. Beyond the ends both are repeated.
+struct Window<'a> {
+    /// Census words and grey steps.
+    base: [[(u8, u8); 3]; 3],
+    other: [[&'a [u8]; 2]; 3],
+    /// Of the pixel in the image.
+    column: i64,
+}
 
+impl<'a> Window<'a> {
     #[inline(always)]
-    fn fit(&self, x: usize, y: usize, disparity: i32) -> Fit {
-        let width = self.given.base.columns() as i64;
-        let x = (self.given.first + x) as i64;
-        let at = x - i64::from(disparity);
-        let (mut bits, mut steps, mut here) = (0, 0, 0);
-        for dy in [-APART, 0, APART] {
-            let (row, columns) = self.around(x, y, dy);
-            let (_, others) = self.around(at, y, dy);
-            let ([census, step, _], [other_census, other_step, _]) =
-                (self.given.base.row(row), self.given.other.row(row));
+    fn new(given: &Given<'a>, x: usize, y: usize) -> Self {
+        let last = given.base.rows() as i64 - 1;
+        let column = (given.first + x) as i64;
+        let mut window = Self { base: [[(0, 0); 3]; 3], other: [[&[]; 2]; 3], column };
+        for j in 0..3 {
+            let row = (y as i64 + (j as i64 - 1) * APART).clamp(0, last) as usize;
+            let [census, steps, _] = given.base.row(row);
+            let [other_census, other_steps, _] = given.other.row(row);
+            window.other[j] = [other_census, other_steps];
+            let columns = columns_around(column, census.len());
             for i in 0..3 {
-                let (u, v) = (columns[i], others[i]);
-                let unlike = (census[u] ^ other_census[v]).count_ones();
-                bits += unlike;
-                here = if dy == 0 && i == 1 { unlike } else { here };
-                steps += u32::from(step[u].abs_diff(other_step[v]).min(LARGEST_STEP));
+                window.base[j][i] = (census[columns[i]], steps[columns[i]]);
             }
         }
-        let mirrored = (width - 1 - at).clamp(0, width - 1) as usize;
+        window
+    }
+
+    /// The mean grey step along the row.
+    #[inline(always)]
+    fn texture(&self) -> f32 {
+        let mut sum = 0;
+        for (_, step) in self.base.as_flattened() {
+            sum += u32::from(step.abs_diff(128).min(32));
+        }
+        sum as f32 / 90.0
+    }
+
+    /// How it fits, where `right` are the disparities of that row of the other view, in a mirror.
+    #[inline(always)]
+    fn fit(&self, right: &[f32], disparity: i32) -> Fit {
+        let width = right.len() as i64;
+        let at = self.column - i64::from(disparity);
+        let columns = columns_around(at, right.len());
+        let (mut bits, mut steps, mut here) = (0, 0, 0);
+        for j in 0..3 {
+            let [other_census, other_steps] = self.other[j];
+            for i in 0..3 {
+                let (census, step) = self.base[j][i];
+                let unlike = (census ^ other_census[columns[i]]).count_ones();
+                bits += unlike;
+                here = if i == 1 && j == 1 { unlike } else { here };
+                steps += u32::from(step.abs_diff(other_steps[columns[i]]).min(LARGEST_STEP));
+            }
+        }
         Fit {
             disparity,
             census: bits as f32 / 36.0,
             census_here: here as f32 / 4.0,
             steps: steps as f32 / 90.0,
-            right: self.given.right.row(y)[mirrored],
+            right: right[(width - 1 - at).clamp(0, width - 1) as usize],
             outside: at < 0 || at >= width,
         }
     }
+}
 
-    /// The mean grey step along the row.
-    #[inline(always)]
-    fn texture(&self, x: usize, y: usize) -> f32 {
-        let mut sum = 0;
-        for dy in [-APART, 0, APART] {
-            let (row, columns) = self.around((self.given.first + x) as i64, y, dy);
-            let steps = self.given.base.row(row)[1];
-            for column in columns {
-                sum += u32::from(steps[column].abs_diff(128).min(32));
-            }
-        }
-        sum as f32 / 90.0
-    }
+/// The columns that are looked at around one, in an image of so many.
+#[inline(always)]
+fn columns_around(column: i64, columns: usize) -> [usize; 3] {
+    let last = columns as i64 - 1;
+    // Written out: what a closure does is not compiled for the level.
+    let [before, here, after] = [column - APART, column, column + APART];
+    [before.clamp(0, last) as usize, here.clamp(0, last) as usize, after.clamp(0, last) as usize]
 }
 
 /// Counts the candidates that say the same.
