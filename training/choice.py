@@ -2,7 +2,7 @@
 """Trains a judge of `best` (crates/matching/src/refinement/choice) and appends its weights.
 
     cargo run --release -p hazcam-training -- --out target/choices.bin
-    python3 training/choice.py target/choices.bin --minutes 5 \
+    python3 training/choice.py target/choices.bin \
         --weights crates/matching/src/refinement/choice/weights.bin
 
 Once for each round of choices, beginning with an empty file of weights: samples are taken after the
@@ -14,7 +14,6 @@ truth, and little to those that are off by more than 2 px, less the farther they
 
 import argparse
 import math
-import time
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +63,7 @@ def load(path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("samples", type=Path)
-    parser.add_argument("--minutes", type=float, default=5)
+    parser.add_argument("--steps", type=int, default=15000)
     parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
     parser.add_argument("--weights", type=Path, required=True, help="the file to append to")
     arguments = parser.parse_args()
@@ -78,11 +77,11 @@ def main():
     near = (torch.exp(-((error / 1.2) ** 2)) + 0.02 * torch.exp(-error / 4) + 1e-6).log()
     judge = Judge()
     optimizer = torch.optim.AdamW(judge.parameters(), arguments.rate, weight_decay=1e-4)
-    begun, steps, losses = time.time(), 0, []
-    while (elapsed := (time.time() - begun) / 60 / arguments.minutes) < 1:
-        fall = (1 + math.cos(math.pi * elapsed)) / 2 + 0.01
+    losses = []
+    for step in range(arguments.steps):
+        fall = (1 + math.cos(math.pi * step / arguments.steps)) / 2 + 0.01
         for group in optimizer.param_groups:
-            group["lr"] = arguments.rate * fall * min(1, (steps + 1) / 200)
+            group["lr"] = arguments.rate * fall * min(1, (step + 1) / 200)
         batch = torch.randint(len(truth), (BATCH,))
         scores = judge(of_each[batch].float(), of_pixel[batch]).masked_fill(~inside[batch], -40)
         likely = F.log_softmax(scores, 1)
@@ -94,14 +93,13 @@ def main():
         nn.utils.clip_grad_norm_(judge.parameters(), 1.0)
         optimizer.step()
         losses.append(loss.item())
-        steps += 1
-        if steps % 2000 == 0:
-            print(f"{steps} steps: {np.mean(losses[-2000:]):.4f}", flush=True)
+        if (step + 1) % 2000 == 0:
+            print(f"{step + 1} steps: {np.mean(losses[-2000:]):.4f}", flush=True)
     numbers = np.concatenate([p.detach().numpy().astype("<f4").ravel() for p in judge.parameters()])
     beside = Path(f"{arguments.weights}.part")
     beside.write_bytes(arguments.weights.read_bytes() + numbers.tobytes())
     beside.replace(arguments.weights)
-    print(f"{steps} steps; {len(numbers)} numbers appended to {arguments.weights}")
+    print(f"{len(numbers)} numbers appended to {arguments.weights}")
 
 
 if __name__ == "__main__":

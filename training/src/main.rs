@@ -5,18 +5,21 @@
 //! cargo run --release -p hazcam-training -- --out target/choices.bin
 //! ```
 //!
-//! Pairs: the tuning scenes of `$HAZCAM_DATA`, and rendered scenes whose seeds no measurement uses.
+//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are and strained (light, noise, vertical offset),
+//! and rendered scenes whose seeds no measurement uses.
 
 mod lessons;
+mod strain;
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use arena::dataset::{self, CaseData, Purpose};
+use arena::dataset::{self, Case, CaseData, Purpose};
 use clap::Parser;
 use formats::write_atomically;
 use scenes::{Kind, Random, Settings};
+use strain::Strain;
 
 /// Writes what `choice.py` learns from.
 #[derive(Parser)]
@@ -30,6 +33,9 @@ struct Arguments {
     /// About how many pixels of a pair.
     #[arg(long, default_value_t = 9000)]
     pixels: usize,
+    /// How often each tuning scene is strained.
+    #[arg(long, default_value_t = 1)]
+    strained: u64,
     /// Rendered scenes of each kind.
     #[arg(long, default_value_t = 4)]
     rendered: u64,
@@ -48,12 +54,31 @@ fn rendered(kind: Kind, seed: u64, random: &mut Random) -> Result<CaseData, Box<
     let mut settings = Settings::new(kind, seed);
     settings.noise = random.pick(&[0.5, 1.0, 2.0, 5.0]);
     settings.contrast = random.between(0.2, 1.0);
+    settings.exposure = random.pick(&[1.0, 1.0, 1.0, 4.0, 16.0]);
     settings.right_exposure = random.between(0.8, 1.2);
     settings.max_disparity = random.pick(&[32, 64, 64, 100]);
     let scene = scenes::render(&settings)?;
     let mut data = CaseData::new(scene.left, scene.right, scene.range);
     data.truth = Some(scene.truth_left);
     Ok(data)
+}
+
+/// Errors on what would only be noticed when all is computed, or never.
+fn check(arguments: &Arguments, cases: &[Case]) -> Result<(), Box<dyn Error>> {
+    let names = || cases.iter().filter(|case| case.purpose == Purpose::Tuning).map(|case| &case.id);
+    for part in &arguments.without {
+        if !names().any(|name| name.contains(part)) {
+            let all = names().map(String::as_str).collect::<Vec<_>>().join(", ");
+            return Err(
+                format!("--without: no tuning scene has {part:?} in its name; {all}").into()
+            );
+        }
+    }
+    let folder = arguments.out.parent().unwrap_or(Path::new(""));
+    if !folder.as_os_str().is_empty() && !folder.is_dir() {
+        return Err(format!("--out: {} is not a folder; make it first", folder.display()).into());
+    }
+    Ok(())
 }
 
 fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
@@ -65,6 +90,7 @@ fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         Ok::<_, Box<dyn Error>>(())
     };
     let cases = dataset::open(&arguments.data)?;
+    check(arguments, &cases)?;
     let cases = cases.iter().filter(|case| case.purpose == Purpose::Tuning);
     for (seed, case) in (1..).zip(cases) {
         if arguments.without.iter().any(|part| case.id.contains(part)) {
@@ -72,7 +98,15 @@ fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
         // The views of the moon are much alike.
         let pixels = arguments.pixels / if case.family() == "lunar" { 4 } else { 1 };
-        add(&case.id, &case.load()?, pixels, Random::new(seed, PURPOSE))?;
+        let (data, mut random) = (case.load()?, Random::new(seed, PURPOSE));
+        add(&case.id, &data, pixels, random.clone())?;
+        for _ in 0..arguments.strained {
+            let strain = Strain::by_chance(&mut random);
+            let images = strain.apply(&data.left, &data.right, &mut random);
+            let mut strained = data.clone();
+            [strained.left, strained.right] = images;
+            add(&format!("{} {strain:?}", case.id), &strained, pixels / 4, random.clone())?;
+        }
     }
     for kind in Kind::NAMED {
         for seed in FIRST_SEED..FIRST_SEED + arguments.rendered {

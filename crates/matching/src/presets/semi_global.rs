@@ -44,8 +44,8 @@ const GROUP_STEP: f32 = 1.0;
 const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
 const SURE: f32 = 0.4;
-/// The confidence of a pixel that both cameras see, but that got its disparity from its neighbours.
-const MISMATCHED: f32 = 0.05;
+/// What confidence is left of a pixel that got its disparity from its neighbours.
+const FILLED: f32 = 0.05;
 
 /// Stages that run more than once, for the profile.
 const PATHS: &str = "costs, eight paths, winners";
@@ -379,8 +379,8 @@ impl SemiGlobalMatching {
         done
     }
 
-    /// Lets every pixel of the left view, which is filled, choose a plane around it, and be as confident
-    /// as the judge is certain.
+    /// Lets every pixel of the left view, which is filled, choose a plane around it. One without a match
+    /// is as confident as the judge is certain, one with a match as both are.
     fn choose(&mut self, search: Search, confidence: &mut [f32]) -> Work {
         let Search { ingredients, level, work, width, range, .. } = search;
         let View { map, filled, looks, .. } = &mut self.left;
@@ -401,12 +401,16 @@ impl SemiGlobalMatching {
         let done = self.choices.run(level, with_last, &given, slopes, filled, map);
         if ingredients.has(Ingredient::PathMargin) {
             let certainty = self.choices.certainty().chunks_exact(columns.len());
-            for (to, from) in confidence.chunks_exact_mut(width).zip(certainty) {
-                to[columns.clone()].iter_mut().zip(from).for_each(|(to, from)| *to *= from);
+            let told = certainty.zip(map.reasons.samples().chunks_exact(columns.len()));
+            for (to, (certainty, reasons)) in confidence.chunks_exact_mut(width).zip(told) {
+                let to = to[columns.clone()].iter_mut();
+                for ((to, certainty), reason) in to.zip(certainty).zip(reasons) {
+                    *to = if *reason == Reason::Matched { *to * certainty } else { *certainty };
+                }
             }
         }
-        // Confidence is copied, and multiplied.
-        done + Work::bytes(5 * size_of_val(filled.samples()))
+        // Confidence is copied, and multiplied where there is a match.
+        done + Work::bytes(5 * size_of_val(filled.samples()) + size_of_val(map.reasons.samples()))
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -568,6 +572,7 @@ impl Pipeline for SemiGlobalMatching {
         fill_around(&mut map.values, bounds, f32::NAN);
         fill_around(&mut map.confidence, bounds, 0.0);
 
+        let judged = chooses && ingredients.has(Ingredient::PathMargin);
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
         for y in 0..bounds.rows() {
             let from = dx..dx + bounds.columns();
@@ -578,8 +583,11 @@ impl Pipeline for SemiGlobalMatching {
             for (reason, confidence) in reasons.iter().zip(confidence) {
                 match reason {
                     Reason::Matched => {}
-                    Reason::MismatchedFilled => *confidence *= MISMATCHED,
-                    _ => *confidence = 0.0,
+                    // Where no judge looks, the paths know nothing of what they do not see.
+                    Reason::OccludedFilled | Reason::OutsideRightFilled if !judged => {
+                        *confidence = 0.0;
+                    }
+                    _ => *confidence *= FILLED,
                 }
             }
         }

@@ -93,7 +93,8 @@ impl Judge {
                 (least, disparity) = (expected[k], known.disparities[k]);
             }
         }
-        Verdict { disparity, certainty: 1.0 - least / (FAR * all) }
+        // Sums are rounded.
+        Verdict { disparity, certainty: (1.0 - least / (FAR * all)).max(0.0) }
     }
 
     #[inline(always)]
