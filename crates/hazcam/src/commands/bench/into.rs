@@ -51,11 +51,21 @@ fn between(page: &str, name: &str, text: &str) -> Option<String> {
     Some(format!("{before}{begin}\n{text}{end}{after}"))
 }
 
-/// The command line that is running, as a shell would take it.
+/// The command line that is running, as a shell would take it, but for where its records go: no figure
+/// depends on that, and others have no such folder.
 pub fn command_line() -> String {
-    let words: Vec<String> =
-        std::env::args_os().skip(1).map(|w| quoted(&w.to_string_lossy())).collect();
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let words: Vec<String> = without_out(words).map(|word| quoted(&word)).collect();
     format!("hazcam {}", words.join(" "))
+}
+
+/// Words without `--out` and the folder that it names.
+fn without_out(words: impl Iterator<Item = String>) -> impl Iterator<Item = String> {
+    let mut names_a_folder = false;
+    words.filter(move |word| {
+        let is_folder = std::mem::replace(&mut names_a_folder, word == "--out");
+        !is_folder && !names_a_folder && !word.starts_with("--out=")
+    })
 }
 
 /// In quotes where a shell would read more than a word.
@@ -77,6 +87,16 @@ mod tests {
             ["bench", "course/*", "it's", ""].map(quoted),
             ["bench", "'course/*'", "'it'\\''s'", "''"]
         );
+    }
+
+    #[test]
+    fn where_records_go_is_left_out() {
+        let left = |line: &str| -> Vec<String> {
+            without_out(line.split(' ').map(str::to_owned)).collect()
+        };
+        assert_eq!(left("bench --out here -m fast"), ["bench", "-m", "fast"]);
+        assert_eq!(left("bench -m fast --out=here --into page"), left("bench -m fast --into page"));
+        assert_eq!(left("bench --outer x"), ["bench", "--outer", "x"]);
     }
 
     #[test]
