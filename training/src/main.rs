@@ -12,7 +12,8 @@ mod lessons;
 mod strain;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use arena::dataset::{self, Case, CaseData, Purpose};
@@ -49,8 +50,10 @@ const FIRST_SEED: u64 = 1000;
 /// Keeps this program's chances apart from those of the scenes.
 const PURPOSE: &str = "training";
 
+type Failure = Box<dyn Error + Send + Sync>;
+
 /// A rendered pair, under circumstances that come by chance.
-fn rendered(kind: Kind, seed: u64, random: &mut Random) -> Result<CaseData, Box<dyn Error>> {
+fn rendered(kind: Kind, seed: u64, random: &mut Random) -> Result<CaseData, Failure> {
     let mut settings = Settings::new(kind, seed);
     settings.noise = random.pick(&[0.5, 1.0, 2.0, 5.0]);
     settings.contrast = random.between(0.2, 1.0);
@@ -63,35 +66,29 @@ fn rendered(kind: Kind, seed: u64, random: &mut Random) -> Result<CaseData, Box<
     Ok(data)
 }
 
-/// Errors on what would only be noticed when all is computed, or never.
-fn check(arguments: &Arguments, cases: &[Case]) -> Result<(), Box<dyn Error>> {
-    let names = || cases.iter().filter(|case| case.purpose == Purpose::Tuning).map(|case| &case.id);
-    for part in &arguments.without {
-        if !names().any(|name| name.contains(part)) {
-            let all = names().map(String::as_str).collect::<Vec<_>>().join(", ");
-            return Err(
-                format!("--without: no tuning scene has {part:?} in its name; {all}").into()
-            );
+/// Errors where a part of a name is not that of a tuning scene: a scene would be learned from in silence.
+fn check(without: &[String], cases: &[&Case]) -> Result<(), Failure> {
+    let is_known = |part: &&String| cases.iter().any(|case| case.id.contains(*part));
+    match without.iter().find(|part| !is_known(part)) {
+        None => Ok(()),
+        Some(part) => {
+            let all: Vec<_> = cases.iter().map(|case| case.id.as_str()).collect();
+            let all = all.join(", ");
+            Err(format!("--without: no tuning scene has {part:?} in its name; {all}").into())
         }
     }
-    let folder = arguments.out.parent().unwrap_or(Path::new(""));
-    if !folder.as_os_str().is_empty() && !folder.is_dir() {
-        return Err(format!("--out: {} is not a folder; make it first", folder.display()).into());
-    }
-    Ok(())
 }
 
-fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let mut samples = Vec::new();
+/// Writes the samples, lesson after lesson; how many pixels they are.
+fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<usize, Failure> {
+    let mut all = 0;
     let mut add = |name: &str, data: &CaseData, pixels: usize, random: Random| {
         let lesson = lessons::lesson(data, pixels, random)?;
+        lesson.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))?;
+        all += lesson.len() / lessons::NUMBERS;
         println!("{name}: {} pixels", lesson.len() / lessons::NUMBERS);
-        samples.extend(lesson);
-        Ok::<_, Box<dyn Error>>(())
+        Ok::<_, Failure>(())
     };
-    let cases = dataset::open(&arguments.data)?;
-    check(arguments, &cases)?;
-    let cases = cases.iter().filter(|case| case.purpose == Purpose::Tuning);
     for (seed, case) in (1..).zip(cases) {
         if arguments.without.iter().any(|part| case.id.contains(part)) {
             continue;
@@ -115,16 +112,25 @@ fn write(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             add(&format!("{kind} {seed}"), &data, arguments.pixels / 4, random)?;
         }
     }
+    Ok(all)
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let cases = dataset::open(&arguments.data)?;
+    let cases: Vec<_> = cases.iter().filter(|case| case.purpose == Purpose::Tuning).collect();
+    check(&arguments.without, &cases)?;
+    let mut pixels = 0;
+    // The file is begun first, so that a folder that is missing is noticed at once.
     write_atomically(&arguments.out, |writer| {
-        samples.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+        pixels = write(arguments, &cases, writer).map_err(io::Error::other)?;
+        Ok(())
     })?;
-    let pixels = samples.len() / lessons::NUMBERS;
     println!("{pixels} pixels; {} written", arguments.out.display());
     Ok(())
 }
 
 fn main() -> ExitCode {
-    match write(&Arguments::parse()) {
+    match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("choices: {error}");

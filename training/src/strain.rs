@@ -39,7 +39,7 @@ impl Strain {
                 let below = (row + 1).min(grey.rows() - 1);
                 let [upper, lower] = [row, below].map(|row| f64::from(grey.row(row)[x]));
                 let light = exposure * (upper + part * (lower - upper));
-                (light.min(255.0) + self.noise * normal(random)).round().clamp(0.0, 255.0) as u8
+                (light.min(255.0) + self.noise * random.normal()).round().clamp(0.0, 255.0) as u8
             }))
         };
         [
@@ -47,11 +47,6 @@ impl Strain {
             seen(right, self.exposure * self.right_exposure, self.vertical_offset, random),
         ]
     }
-}
-
-/// A number whose distribution is nearly normal, with mean 0 and deviation 1.
-fn normal(random: &mut Random) -> f64 {
-    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }
 
 #[cfg(test)]

@@ -93,6 +93,11 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
+    /// Of mean 0 and deviation 1, nearly normal, never beyond +-4.9.
+    pub fn normal(&mut self) -> f64 {
+        normal(self.bits())
+    }
+
     /// True this often.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
