@@ -258,18 +258,32 @@ fn add_up(
     let (words, steps) = (words.as_chunks::<LANES>().0, steps.as_chunks::<LANES>().0);
     let groups = costs.as_chunks_mut::<LANES>().0.iter_mut().zip(words).zip(steps);
     for ((costs, words), steps) in groups {
-        // One loop per width of number, so that each fills its vectors.
-        let mut bits = [0u8; LANES];
-        for i in 0..LANES {
-            bits[i] = (word ^ words[i]).count_ones() as u8;
-        }
-        for i in 0..LANES {
-            let census = (u16::from(bits[i]) * weights.census / 64) as u8;
-            // `abs_diff` would go through 32 bits.
-            let difference = step.max(steps[i]) - step.min(steps[i]);
-            costs[i] = census + difference.min(LARGEST_STEP);
-        }
+        *costs = costs_of_group(weights.census, (word, words), (step, steps));
     }
+}
+
+/// The costs of a group of disparities. They are given back rather than written, so that the compiler
+/// need not ask whether what it reads changes meanwhile.
+#[inline(always)]
+fn costs_of_group(
+    weight: u16,
+    (word, words): (u32, &[u32; LANES]),
+    (step, steps): (u8, &[u8; LANES]),
+) -> [u8; LANES] {
+    // One loop per width of number, so that each fills its vectors.
+    let (mut bits, mut costs) = ([0u8; LANES], [0u8; LANES]);
+    for i in 0..LANES {
+        bits[i] = (word ^ words[i]).count_ones() as u8;
+    }
+    for i in 0..LANES {
+        costs[i] = (u16::from(bits[i]) * weight / 64) as u8;
+    }
+    for i in 0..LANES {
+        // `abs_diff` would go through 32 bits.
+        let difference = step.max(steps[i]) - step.min(steps[i]);
+        costs[i] += difference.min(LARGEST_STEP);
+    }
+    costs
 }
 
 /// What descriptors add to the costs of a pixel.

@@ -11,10 +11,14 @@
 //! (`L(q, d - s)` and its neighbours): to follow the surface costs nothing then, to leave it costs
 //! what a step costs elsewhere.
 //!
-//! A state never exceeds the largest cost plus `P2`, so one byte holds it as long as that sum stays
-//! below 256. A row is done with its four paths together: the costs are read once, the sum of the
-//! four is built in registers, and the three paths from the row before hide the latency of the one
-//! along the row.
+//! What a path adds to the cost, its *detour* `L - C`, is at most `P2`. A state never exceeds the
+//! largest cost plus `P2`, so one byte holds it as long as that sum stays below 256.
+//!
+//! A row is done with its four paths together: the costs are read once, the sum of the four detours is
+//! built in registers, and the three paths from the row before hide the latency of the one along the
+//! row. That sum is kept in one byte, bounded by 255: it decides between disparities of which some
+//! path says that they are near the cheapest, and what all four call far off may be called so less
+//! precisely. Bytes halve the memory and its traffic, which is what sums of 16 bits waited for.
 
 use super::level::at_every_level;
 
@@ -27,8 +31,10 @@ pub const HIGHEST_RISE: i8 = 2;
 const _: () = assert!((HIGHEST_RISE as usize) < MARGIN);
 
 /// Operations on bytes per pixel and disparity of a row with four paths: each takes six and a minimum
-/// over all disparities, and their sum three of 16 bits.
-pub const OPERATIONS: usize = 4 * (6 + 1) + 3 * 2;
+/// over all disparities, and their sum three.
+pub const OPERATIONS: usize = 4 * (6 + 1) + 3;
+/// Those that make a sum over all paths of both halves: a shift and two additions of 16 bits.
+pub const LAST_OPERATIONS: usize = 3 * 2;
 
 /// `count` rounded up to whole groups.
 pub fn padded(count: usize) -> usize {
@@ -36,8 +42,9 @@ pub fn padded(count: usize) -> usize {
 }
 
 /// The states of three paths along one row: from the previous, the same and the next column of the
-/// row before, in that order. One column more on each side stays zero: a path that enters the
-/// image begins with its cost alone.
+/// row before, in that order. Columns stand in the order in which the sweep comes to them, which
+/// memory is read in fastest. One column more on each side stays zero: a path that enters the image
+/// begins with its cost alone.
 #[derive(Default, Clone)]
 pub struct RowStates {
     /// Per path and column: `MARGIN` bytes of 255, the states, `MARGIN` bytes of 255.
@@ -151,7 +158,7 @@ fn groups(samples: &[u8], count: usize) -> &[Group<u8>] {
     &samples.as_chunks().0[..count]
 }
 
-/// One step of one path for one group of disparities; the definition above.
+/// One step of one path for one group of disparities, the definition above: the state and its detour.
 #[inline(always)]
 fn step(
     cost: &Group<u8>,
@@ -160,16 +167,16 @@ fn step(
     least: u8,
     p1: u8,
     p2: u8,
-) -> Group<u8> {
+) -> (Group<u8>, Group<u8>) {
     let [down, same, up] = [&before.0[0][group], &before.0[1][group], &before.0[2][group]];
     let jump = least.saturating_add(p2);
-    let mut after = [0; LANES];
+    let (mut after, mut detour) = ([0; LANES], [0; LANES]);
     for i in 0..LANES {
         let change = down[i].min(up[i]).saturating_add(p1);
-        let best = same[i].min(change).min(jump);
-        after[i] = cost[i].saturating_add(best - least);
+        detour[i] = same[i].min(change).min(jump) - least;
+        after[i] = cost[i].saturating_add(detour[i]);
     }
-    after
+    (after, detour)
 }
 
 #[inline(always)]
@@ -178,13 +185,16 @@ fn least_of(values: &Group<u8>) -> u8 {
 }
 
 at_every_level! {
-    /// Advances the four paths by one row and gives the sum of their states.
+    /// Advances the four paths by one row.
     ///
-    /// `cost` and `sum` hold `columns x count` values with the disparities of a column side by side
-    /// (`count` a multiple of [`LANES`]). `before` are the states of the row before, `after` those
-    /// of this one. With `REVERSE` the path along the row runs from right to left. With `ADD` the
-    /// sum is added to what `sum` holds, otherwise it replaces it.
-    pub fn paths_of_row<const REVERSE: bool, const ADD: bool>(
+    /// `cost`, `detours` and `sums` hold `columns x count` values with the disparities of a column side
+    /// by side (`count` a multiple of [`LANES`]). `before` are the states of the row before, `after`
+    /// those of this one. With `REVERSE` the path along the row runs from right to left.
+    ///
+    /// Without `LAST` the four detours' sum, at most 255, is left in `detours`. With it `detours` has
+    /// what the four opposite paths left, and `sums` gets the sum of all eight: eight costs, and the
+    /// detours of both.
+    pub fn paths_of_row<const REVERSE: bool, const LAST: bool>(
         cost: &[u8],
         count: usize,
         transitions: &RowTransitions,
@@ -192,53 +202,69 @@ at_every_level! {
         before: &RowStates,
         after: &mut RowStates,
         along: &mut AlongState,
-        sum: &mut [u16],
+        detours: &mut [u8],
+        sums: &mut [u16],
     ) {
         let columns = cost.len() / count;
         let stride = count + 2 * MARGIN;
         let lanes = count / LANES;
-        let [mut old, mut new] = along.states.each_mut().map(|s| &mut s[..]);
-        old[MARGIN..MARGIN + count].fill(0);
+        let [even, odd] = along.states.each_mut().map(|s| &mut s[..]);
+        even[MARGIN..MARGIN + count].fill(0);
         let mut along_least = 0u8;
         let [after0, after1, after2] = after.states.each_mut().map(|s| &mut s[..]);
         for step_at in 0..columns {
             let x = if REVERSE { columns - 1 - step_at } else { step_at };
+            let (old, new) =
+                if step_at % 2 == 0 { (&*even, &mut *odd) } else { (&*odd, &mut *even) };
             let cost = groups(&cost[x * count..][..count], lanes);
-            let sum = &mut sum[x * count..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let detours = &mut detours[x * count..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let sums = if LAST { &mut sums[x * count..][..count] } else { &mut [] };
+            let sums = &mut sums.as_chunks_mut::<LANES>().0[..if LAST { lanes } else { 0 }];
+            // In the order of the sweep, the next column of the image is the one before.
+            let named = |path: usize| if REVERSE && path < 3 { 2 - path } else { path };
             // Where each path reads the state before.
             let first: [usize; 4] = std::array::from_fn(|path| {
-                let rise = transitions.rise[path][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
+                let rise = transitions.rise[named(path)][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
                 (MARGIN as isize - isize::from(rise)) as usize
             });
-            // Column x of the image is column x + 1 of the states.
-            let from0 = Around::new(&before.states[0][x * stride..][..stride], first[0], lanes);
-            let from1 = Around::new(&before.states[1][(x + 1) * stride..][..stride], first[1], lanes);
-            let from2 = Around::new(&before.states[2][(x + 2) * stride..][..stride], first[2], lanes);
+            // The column of this step is column `step_at + 1` of the states.
+            let from = |path: usize| &before.states[path][(step_at + path) * stride..][..stride];
+            let from0 = Around::new(from(0), first[0], lanes);
+            let from1 = Around::new(from(1), first[1], lanes);
+            let from2 = Around::new(from(2), first[2], lanes);
             let from3 = Around::new(old, first[3], lanes);
-            let least = [before.least[0][x], before.least[1][x + 1], before.least[2][x + 2]];
-            let to = (x + 1) * stride + MARGIN;
+            let least: [u8; 3] = std::array::from_fn(|path| before.least[path][step_at + path]);
+            let to = (step_at + 1) * stride + MARGIN;
             let to0 = &mut after0[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
             let to1 = &mut after1[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
             let to2 = &mut after2[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
             let to3 = &mut new[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];
-            let p2: [u8; 4] = std::array::from_fn(|path| transitions.p2[path][x]);
+            let p2: [u8; 4] = std::array::from_fn(|path| transitions.p2[named(path)][x]);
             let mut lowest = [[255u8; LANES]; 4];
             for group in 0..lanes {
                 let c = &cost[group];
-                let l0 = step(c, from0, group, least[0], p1, p2[0]);
-                let l1 = step(c, from1, group, least[1], p1, p2[1]);
-                let l2 = step(c, from2, group, least[2], p1, p2[2]);
-                let l3 = step(c, from3, group, along_least, p1, p2[3]);
+                let (l0, r0) = step(c, from0, group, least[0], p1, p2[0]);
+                let (l1, r1) = step(c, from1, group, least[1], p1, p2[1]);
+                let (l2, r2) = step(c, from2, group, least[2], p1, p2[2]);
+                let (l3, r3) = step(c, from3, group, along_least, p1, p2[3]);
                 to0[group] = l0;
                 to1[group] = l1;
                 to2[group] = l2;
                 to3[group] = l3;
                 // One loop per width of number, so that each fills its vectors.
-                let s = &mut sum[group];
+                let mut four = [0u8; LANES];
                 for i in 0..LANES {
-                    let four =
-                        u16::from(l0[i]) + u16::from(l1[i]) + u16::from(l2[i]) + u16::from(l3[i]);
-                    s[i] = if ADD { s[i] + four } else { four };
+                    let pairs = [r0[i].saturating_add(r1[i]), r2[i].saturating_add(r3[i])];
+                    four[i] = pairs[0].saturating_add(pairs[1]);
+                }
+                if LAST {
+                    let (opposite, sum) = (&detours[group], &mut sums[group]);
+                    for i in 0..LANES {
+                        let eight = u16::from(opposite[i]) + u16::from(four[i]);
+                        sum[i] = 8 * u16::from(c[i]) + eight;
+                    }
+                } else {
+                    detours[group] = four;
                 }
                 for i in 0..LANES {
                     lowest[0][i] = lowest[0][i].min(l0[i]);
@@ -248,10 +274,9 @@ at_every_level! {
                 }
             }
             for path in 0..3 {
-                after.least[path][x + 1] = least_of(&lowest[path]);
+                after.least[path][step_at + 1] = least_of(&lowest[path]);
             }
             along_least = least_of(&lowest[3]);
-            std::mem::swap(&mut old, &mut new);
         }
     }
 }
@@ -308,9 +333,12 @@ mod tests {
                         (0..columns).map(|x| if begins(x) { 0 } else { random(5) as i8 - 2 });
                     *rise = rises.collect();
                 }
-                let mut sum = vec![1u16; columns * count];
+                // Even rows leave the detours, odd ones take up others.
+                let mut detours = vec![3u8; columns * count];
+                let mut sums = vec![0u16; columns * count];
                 let [before, after] = &mut states;
-                paths_of_row::<false, true>(
+                let paths = [paths_of_row::<false, false>, paths_of_row::<false, true>][y % 2];
+                paths(
                     level,
                     cost,
                     count,
@@ -319,7 +347,8 @@ mod tests {
                     before,
                     after,
                     &mut along,
-                    &mut sum,
+                    &mut detours,
+                    &mut sums,
                 );
                 states.swap(0, 1);
 
@@ -340,8 +369,15 @@ mod tests {
                     ];
                     let fourth = definition(c, along_before.as_deref(), p1, p2(3), rise(3));
                     for d in 0..count {
-                        let total = three.iter().map(|l| l[d]).sum::<i32>() + fourth[d] + 1;
-                        assert_eq!(i32::from(sum[x * count + d]), total, "x {x} y {y} d {d}");
+                        let (at, cost) = (x * count + d, i32::from(c[d]));
+                        let four = three.iter().map(|l| l[d]).sum::<i32>() + fourth[d] - 4 * cost;
+                        let four = four.min(255);
+                        if y % 2 == 0 {
+                            assert_eq!(i32::from(detours[at]), four, "x {x} y {y} d {d}");
+                        } else {
+                            let total = 8 * cost + four + 3;
+                            assert_eq!(i32::from(sums[at]), total, "x {x} y {y} d {d}");
+                        }
                     }
                     now.push(three);
                     along_before = Some(fourth);

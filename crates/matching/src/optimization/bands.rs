@@ -1,25 +1,26 @@
-//! How semi-global matching keeps its memory bounded: sums in bands of rows.
+//! How semi-global matching keeps its memory bounded: detours in bands of rows.
 //!
 //! Two sweeps meet in the middle, so each half of the image is crossed twice: first by the sweep that
 //! begins there, then, from the middle back to its border, by the other. What the first found has to
-//! be there when the second comes. Either all of its sums are kept; or they are made again, for one
-//! band of rows after the other, from *checkpoints*: the states of the paths at a row, which are far
-//! less than the sums of all rows up to the next checkpoint. The arithmetic is the same, so are the
-//! bits.
+//! be there when the second comes. Either the detours of all of its paths are kept; or they are made
+//! again, for one band of rows after the other, from *checkpoints*: the states of the paths at a row,
+//! which are far less than the detours of all rows up to the next checkpoint. The arithmetic is the
+//! same, so are the bits.
 //!
-//! With `n` rows in a half, a checkpoint every `b` rows and the sums of one band of `b` rows take
-//! memory for `n / b + b` rows instead of `n`, and the first sweep is done once more. With a second
-//! spacing (a checkpoint every `s` rows; inside of such a stretch, while it is crossed, every `b`
-//! rows) it is `n / s + s / b + b` rows, and the sweep is done twice more: instead of two sweeps over
-//! every row there are three, or four. A whole volume is one stretch with one band. (Griewank
-//! 1992 trades time for memory in this way where programs are differentiated in reverse.)
+//! A checkpoint is as large as three rows of detours. With `n` rows in a half, a checkpoint every `b`
+//! rows and the detours of one band of `b` rows take memory for `3 n / b + b` rows instead of `n`, and
+//! the first sweep is done once more. With a second spacing (a checkpoint every `s` rows; inside of
+//! such a stretch, while it is crossed, every `b` rows) it is `3 n / s + 3 s / b + b` rows, and the
+//! sweep is done twice more: instead of two sweeps over every row there are three, or four. A whole
+//! volume is one stretch with one band. (Griewank 1992 trades time for memory in this way where
+//! programs are differentiated in reverse.)
 
 use crate::kernels::path::RowStates;
 
 /// Rows between two checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Bands {
-    /// In a half: the length of a stretch, and of a band, of which the sums are kept.
+    /// In a half: the length of a stretch, and of a band, of which the detours are kept.
     spacings: [usize; 2],
 }
 
@@ -54,7 +55,7 @@ impl Bands {
         let plans = [
             Self::new(half, half),
             least(&mut (1..=half).map(|height| Self::new(half, height))),
-            // At this stretch n / s + s / b is least.
+            // At this stretch 3 n / s + 3 s / b is least.
             least(
                 &mut (1..=half)
                     .map(|height| Self::new((half * height).isqrt().max(height), height)),
@@ -74,8 +75,8 @@ impl Bands {
         self.spacings[1]
     }
 
-    /// How far to go to the next checkpoint with `left` rows ahead; none when their sums are to be
-    /// kept.
+    /// How far to go to the next checkpoint with `left` rows ahead; none when their detours are
+    /// to be kept.
     pub fn next(&self, left: usize) -> Option<usize> {
         self.spacings.into_iter().find(|&spacing| left > spacing)
     }
@@ -98,12 +99,12 @@ impl Bands {
         between(rows, stretch) + between(rows.min(stretch), height)
     }
 
-    /// The memory of sums and checkpoints, in both halves.
+    /// The memory of detours and checkpoints, in both halves.
     pub fn bytes(&self, volume: &Volume) -> usize {
         let &Volume { columns, rows, lanes } = volume;
         let half = |rows: usize| {
-            let sums = self.height().min(rows) * columns * lanes * size_of::<u16>();
-            sums + self.checkpoints(rows) * RowStates::saved_bytes(columns, lanes)
+            let detours = self.height().min(rows) * columns * lanes;
+            detours + self.checkpoints(rows) * RowStates::saved_bytes(columns, lanes)
         };
         half(rows / 2) + half(volume.half())
     }
@@ -152,20 +153,20 @@ mod tests {
             |limit, rows| Bands::within(&volume(rows), |bands| bands.bytes(&volume(rows)) <= limit);
         let megabytes = |bands: Bands, rows| bands.bytes(&volume(rows)) / 1_000_000;
         let whole = of(usize::MAX, 2000);
-        assert_eq!((whole, megabytes(whole, 2000)), (Bands::new(1000, 1000), 3072));
-        let one_level = of(300_000_000, 2000);
-        assert_eq!((one_level.spacings[0], megabytes(one_level, 2000)), (1000, 233));
-        let two_levels = of(200_000_000, 2000);
-        assert_eq!((two_levels, megabytes(two_levels, 2000)), (Bands::new(126, 16), 113));
+        assert_eq!((whole, megabytes(whole, 2000)), (Bands::new(1000, 1000), 1536));
+        let one_level = of(200_000_000, 2000);
+        assert_eq!((one_level.spacings[0], megabytes(one_level, 2000)), (1000, 164));
+        let two_levels = of(150_000_000, 2000);
+        assert_eq!((two_levels, megabytes(two_levels, 2000)), (Bands::new(144, 21), 87));
         assert_eq!(Bands::least(&volume(2000)), two_levels);
         // Eight times the rows, twice the memory.
-        assert_eq!(megabytes(Bands::least(&volume(16_000)), 16_000), 234);
+        assert_eq!(megabytes(Bands::least(&volume(16_000)), 16_000), 183);
     }
 
     #[test]
     fn every_level_of_checkpoints_sweeps_nearly_all_rows_once_more() {
         let swept = |stretch, height| Bands::new(stretch, height).swept(100);
-        // The sums of the last band are held at once. With stretches of 50, the first is swept again,
+        // The detours of the last band are held at once. With stretches of 50, the first is swept again,
         // and of both all but the last band once more.
         assert_eq!([swept(100, 100), swept(100, 10), swept(50, 10)], [100, 190, 230]);
     }

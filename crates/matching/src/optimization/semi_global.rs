@@ -6,10 +6,10 @@
 //! eight replaces the cost.
 //!
 //! Four paths come from above and the left, four from below and the right, so two sweeps do all.
-//! They begin at opposite ends at the same time: until they meet in the middle each leaves its
-//! sums, afterwards each adds to what the other left and hands the finished row on. Two threads
-//! share the work evenly, nothing is stored twice, and the result cannot depend on their pace.
-//! Sums that there is no memory for are made again ([`crate::optimization::bands`]).
+//! They begin at opposite ends at the same time: until they meet in the middle each leaves what its
+//! four paths add to the costs, afterwards each takes up what the other left and hands the finished
+//! sums on. Two threads share the work evenly, nothing is stored twice, and the result cannot depend
+//! on their pace. What there is no memory for is made again ([`crate::optimization::bands`]).
 
 use std::ops::Range;
 
@@ -46,16 +46,18 @@ pub struct Penalties {
     pub p2: u8,
     /// The least that a larger change ever costs.
     pub p2_least: u8,
-    /// How fast the large penalty falls with the grey step: `P2 = max(p2_least, p2 - fall |dI|)`.
-    pub fall: f32,
+    /// How fast the large penalty falls with the grey step, in 1/64:
+    /// `P2 = max(p2_least, p2 - fall |dI| / 64)`.
+    pub fall: u8,
 }
 
 impl Penalties {
     /// The large penalty between two pixels of these grey values.
     #[inline(always)]
     fn p2_between(&self, here: u8, there: u8) -> u8 {
-        let step = f32::from(here.max(there) - here.min(there));
-        (f32::from(self.p2) - self.fall * step).max(f32::from(self.p2_least)) as u8
+        let step = u16::from(here.max(there) - here.min(there));
+        let p2 = (u16::from(self.p2) * 64).saturating_sub(u16::from(self.fall) * step) / 64;
+        p2.max(u16::from(self.p2_least)) as u8
     }
 }
 
@@ -107,14 +109,18 @@ struct Sweep {
     along: AlongState,
     transitions: RowTransitions,
     costs: Vec<u8>,
+    /// Of a row that is finished: the detours of the opposite paths, and the sums.
+    opposite: Vec<u8>,
+    sums: Vec<u16>,
 }
 
 /// What a sweep leaves in the half in which it begins, for the one that comes from the other.
 #[derive(Default)]
 struct Trail {
-    /// The steps whose sums are there; rows are counted in steps of the sweep.
+    /// The steps whose detours are there; rows are counted in steps of the sweep.
     held: Range<usize>,
-    sums: Vec<u16>,
+    /// What four paths add to the costs ([`paths_of_row`]).
+    detours: Vec<u8>,
     checkpoints: Checkpoints,
 }
 
@@ -134,17 +140,22 @@ impl<C: CostRows> Shared<'_, C> {
         if reverse { self.costs.rows() - 1 - step } else { step }
     }
 
-    /// Sums in a row.
+    /// Costs in a row.
     fn pitch(&self) -> usize {
         self.costs.columns() * padded(self.costs.count())
     }
 }
 
 impl Sweep {
-    /// The memory of a sweep.
+    /// The memory of a sweep, without the finished row.
     fn bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
         // Penalties, rises and costs of a row; the states of a pixel are too few to count.
         2 * RowStates::bytes(columns, lanes) + 8 * columns + columns * lanes
+    }
+
+    /// The memory of a row that is finished.
+    fn finished_bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
+        (size_of::<u8>() + size_of::<u16>()) * columns * lanes
     }
 
     fn reset(&mut self, reverse: bool, columns: usize, count: usize) {
@@ -161,13 +172,14 @@ impl Sweep {
         self.costs.resize(columns * count, 0);
     }
 
-    /// Goes on to row `y`: its sums are added to `sums`, or replace them.
+    /// Goes on to row `y`, and leaves the detours of its paths. If it is the `last` to come there, it
+    /// finds those of the others, and finishes the sums.
     fn advance(
         &mut self,
         shared: &Shared<'_, impl CostRows>,
         y: usize,
-        add: bool,
-        sums: &mut [u16],
+        last: bool,
+        detours: &mut [u8],
     ) {
         let reverse = self.reverse;
         let before =
@@ -183,7 +195,14 @@ impl Sweep {
             _ => self.transitions.rise.iter_mut().for_each(|rise| rise.fill(0)),
         }
         shared.costs.fill_row(y, &mut self.costs);
-        let paths = match (reverse, add) {
+        let detours = if last {
+            // They lie far away: memory hands over a row in one go faster than in the order of a sweep.
+            self.opposite.copy_from_slice(detours);
+            &mut self.opposite[..]
+        } else {
+            detours
+        };
+        let paths = match (reverse, last) {
             (false, false) => paths_of_row::<false, false>,
             (false, true) => paths_of_row::<false, true>,
             (true, false) => paths_of_row::<true, false>,
@@ -199,14 +218,15 @@ impl Sweep {
             old,
             new,
             &mut self.along,
-            sums,
+            detours,
+            &mut self.sums,
         );
         self.states.swap(0, 1);
     }
 }
 
 impl Trail {
-    /// Leads `sweep` along `steps`, and holds the sums of the last of them.
+    /// Leads `sweep` along `steps`, and holds the detours of the last of them.
     fn follow(
         &mut self,
         sweep: &mut Sweep,
@@ -219,19 +239,19 @@ impl Trail {
             self.checkpoints.push(start, &sweep.states[0]);
             for step in start..start + spacing {
                 // Not wanted yet: the next row replaces them.
-                let sums = &mut self.sums[..pitch];
-                sweep.advance(shared, shared.row(step, sweep.reverse), false, sums);
+                let detours = &mut self.detours[..pitch];
+                sweep.advance(shared, shared.row(step, sweep.reverse), false, detours);
             }
             start += spacing;
         }
         self.held = start..end;
-        for (step, sums) in self.held.clone().zip(self.sums.chunks_exact_mut(pitch)) {
-            sweep.advance(shared, shared.row(step, sweep.reverse), false, sums);
+        for (step, detours) in self.held.clone().zip(self.detours.chunks_exact_mut(pitch)) {
+            sweep.advance(shared, shared.row(step, sweep.reverse), false, detours);
         }
     }
 
     /// Leads the sweep `other` over this half, which it enters from the other one, and hands on what
-    /// is finished. Sums that are not held are made by `again`.
+    /// is finished. Detours that are not held are made by `again`.
     fn meet(
         &mut self,
         other: &mut Sweep,
@@ -240,11 +260,11 @@ impl Trail {
         mut finish: impl FnMut(usize, &[u16]),
     ) {
         loop {
-            let rows = self.held.clone().zip(self.sums.chunks_exact_mut(shared.pitch()));
-            for (step, sums) in rows.rev() {
+            let rows = self.held.clone().zip(self.detours.chunks_exact_mut(shared.pitch()));
+            for (step, detours) in rows.rev() {
                 let y = shared.row(step, !other.reverse);
-                other.advance(shared, y, true, sums);
-                finish(y, sums);
+                other.advance(shared, y, true, detours);
+                finish(y, &other.sums);
             }
             let Some(checkpoint) = self.checkpoints.pop(&mut again.states[0]) else { return };
             self.follow(again, shared, checkpoint..self.held.start);
@@ -254,8 +274,8 @@ impl Trail {
 
 impl<C: CostRows> Shared<'_, C> {
     /// What the sweeps amount to: for each row that one of them does, that of the costs, the guide and
-    /// the prior is read, and costs and paths are computed; sums are written by one sweep and read by
-    /// the other, which adds its own.
+    /// the prior is read, and costs and paths are computed; detours are written by one sweep and read
+    /// by the other, which writes the sums and hands them on.
     fn work(&self) -> Work {
         let (columns, rows) = (self.costs.columns(), self.costs.rows());
         let upper = SemiGlobal::middle(rows);
@@ -266,8 +286,8 @@ impl<C: CostRows> Shared<'_, C> {
             + self.prior.map_or(0, |prior| prior.bytes() / rows);
         let pairs = columns * self.costs.count();
         let row = Work::bytes(read) + Work::operations(C::OPERATIONS + path::OPERATIONS) * pairs;
-        let met = Work::bytes(2 * size_of::<u16>()) * self.pitch()
-            + Work::operations(size_of::<u16>()) * pairs;
+        let met = Work::bytes(2 * (size_of::<u8>() + size_of::<u16>())) * self.pitch()
+            + Work::operations(path::LAST_OPERATIONS) * pairs;
         row * swept + met * rows
     }
 }
@@ -275,7 +295,7 @@ impl<C: CostRows> Shared<'_, C> {
 impl SemiGlobal {
     /// The most memory that it takes for a volume.
     pub fn bytes(volume: &Volume, bands: Bands) -> usize {
-        bands.bytes(volume) + 4 * Sweep::bytes(volume)
+        bands.bytes(volume) + 4 * Sweep::bytes(volume) + 2 * Sweep::finished_bytes(volume)
     }
 
     /// The first row of the lower of the two halves that are finished side by side.
@@ -310,12 +330,14 @@ impl SemiGlobal {
         for (i, half) in halves.into_iter().enumerate() {
             let reverse = i == 1;
             self.sweeps[i].reset(reverse, columns, lanes);
+            self.sweeps[i].sums.resize(shared.pitch(), 0);
+            self.sweeps[i].opposite.resize(shared.pitch(), 0);
             let checkpoints = bands.checkpoints(half);
             if checkpoints > 0 {
                 self.again[i].reset(reverse, columns, lanes);
             }
             self.trails[i].checkpoints.reset(checkpoints, columns, lanes);
-            self.trails[i].sums.resize(shared.pitch() * bands.height().min(half), 0);
+            self.trails[i].detours.resize(shared.pitch() * bands.height().min(half), 0);
         }
         let Self { sweeps: [down, up], again: [down_again, up_again], trails: [upper, lower] } =
             self;
@@ -367,13 +389,15 @@ mod tests {
         }
     }
 
-    /// The eight paths one by one over the whole image, as the paper writes them.
+    /// The eight paths one by one over the whole image, as the paper writes them; what four add to the
+    /// costs counts at most 255.
     fn definition(given: &Given, guide: &Plane<u8>, penalties: &Penalties) -> Vec<u16> {
         let (w, h, n) = (given.columns as isize, given.rows() as isize, given.count);
-        let mut sums = vec![0u16; given.costs.len()];
+        let mut detours = [(); 2].map(|()| vec![0u16; given.costs.len()]);
         let directions =
-            [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1isize)];
-        for (dx, dy) in directions {
+            [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1isize)];
+        for (i, (dx, dy)) in directions.into_iter().enumerate() {
+            let detours = &mut detours[i / 4];
             let mut states = vec![0u16; given.costs.len()];
             let ys: Vec<isize> = if dy < 0 { (0..h).rev().collect() } else { (0..h).collect() };
             let xs: Vec<isize> = if dx < 0 { (0..w).rev().collect() } else { (0..w).collect() };
@@ -388,7 +412,8 @@ mod tests {
                             let q = &states[(qy * w + qx) as usize * n..][..n];
                             let grey = |x: isize, y: isize| guide.row(y as usize)[x as usize];
                             let step = f32::from(grey(x, y).abs_diff(grey(qx, qy)));
-                            let p2 = f32::from(penalties.p2) - penalties.fall * step;
+                            let fall = f32::from(penalties.fall) / 64.0;
+                            let p2 = f32::from(penalties.p2) - fall * step;
                             let p2 = p2.max(f32::from(penalties.p2_least)) as u8;
                             let least = *q.iter().min().unwrap();
                             let mut best = q[d].min(least + u16::from(p2));
@@ -401,12 +426,14 @@ mod tests {
                             l += best - least;
                         }
                         states[here + d] = l;
-                        sums[here + d] += l;
+                        detours[here + d] += l - u16::from(given.costs[here + d]);
                     }
                 }
             }
         }
-        sums
+        let [down, up] = detours;
+        let sum = |((&c, d), u): ((&u8, u16), u16)| 8 * u16::from(c) + d.min(255) + u.min(255);
+        given.costs.iter().zip(down).zip(up).map(sum).collect()
     }
 
     /// Random costs and a guide.
@@ -421,7 +448,7 @@ mod tests {
         (Given { columns, count, costs }, guide)
     }
 
-    const PENALTIES: Penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 0.7 };
+    const PENALTIES: Penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 45 };
 
     /// All sums, row by row.
     fn run(
@@ -470,9 +497,9 @@ mod tests {
         let guide = input.1.view();
         let (level, penalties) = (Level::detect(), PENALTIES);
         let shared = Shared { level, costs, guide, prior: None, penalties, bands };
-        // Either sweep does three rows: 20 bytes of costs and 4 of the guide, 34 operations for each
-        // of 20 costs. Sums of 4 x 32 are written and read, and 20 of them added to others.
-        let [bytes, operations] = [6 * 24 + 3 * 2 * 2 * 4 * 32, 6 * 34 * 20 + 3 * 2 * 20];
+        // Either sweep does three rows: 20 bytes of costs and 4 of the guide, 31 operations for each
+        // of 20 costs. 4 x 32 detours, then sums, are written and read; 20 sums are three operations.
+        let [bytes, operations] = [6 * 24 + 3 * 2 * (1 + 2) * 4 * 32, 6 * 31 * 20 + 3 * 6 * 20];
         assert_eq!(shared.work(), Work::bytes(bytes) + Work::operations(operations));
     }
 

@@ -1,7 +1,7 @@
 //! How much memory the stages take for a frame, told before any of it is taken.
 //!
 //! Every stage keeps its memory until the next frame, so what a frame takes is a sum over all of
-//! them: planes that are counted here in bytes per pixel, and the semi-global sums, for which there
+//! them: planes that are counted here in bytes per pixel, and what semi-global matching keeps, for which there
 //! is a choice ([`Bands`]).
 
 use raster::{BoundingBox, Image};
@@ -16,9 +16,9 @@ use crate::prepare::descriptor::Descriptors;
 use crate::refinement::choice::Choices;
 use crate::refinement::groups::Groups;
 
-/// What semi-global sums take at most where no limit was given. Bands cost time, so the pairs of the
-/// usual benchmarks are matched without any (KITTI with 160 disparities: 150 MB); several megapixels,
-/// whose sums would be gigabytes, are matched with bands.
+/// What semi-global matching takes at most where no limit was given. Bands cost time, so the pairs of the
+/// usual benchmarks are matched without any (KITTI with 160 disparities: 75 MB); several megapixels,
+/// which would take gigabytes, are matched with bands.
 const UNASKED: usize = 180_000_000;
 
 /// Room for what is done row by row: bytes per column and thread, and in all.
@@ -44,7 +44,7 @@ pub(super) fn rows(width: usize) -> usize {
 
 /// What a frame takes with `balanced` and `best`.
 pub(super) struct Needs {
-    /// All but the semi-global sums.
+    /// All but semi-global matching.
     rest: usize,
     volume: Volume,
 }

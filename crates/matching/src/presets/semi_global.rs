@@ -35,7 +35,7 @@ use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
 /// What changes of disparity cost.
-const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 1.5 };
+const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 96 };
 /// Smaller groups of equal disparity are speckles.
 const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
@@ -264,7 +264,7 @@ impl SemiGlobalMatching {
             (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
         let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
             true => PENALTIES,
-            false => Penalties { fall: 0.0, ..PENALTIES },
+            false => Penalties { fall: 0, ..PENALTIES },
         };
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
         let grey = &self.grey[0].samples()[work.y0 * width + work.x0..];

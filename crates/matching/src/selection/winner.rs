@@ -9,6 +9,8 @@
 //! around their minimum (Shimizu & Okutomi 2001): with `a, c, b` the costs before, at and after it,
 //! `(a - b) / (2 (max(a, b) - c))`, between -1/2 and 1/2.
 
+use std::ops::Range;
+
 use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::LANES;
@@ -61,6 +63,45 @@ impl Winners {
     }
 }
 
+/// The winner of a column with its margin, from its sums; the right view's keys meet these. Without
+/// `ALL` only `candidates` are tried.
+#[inline(always)]
+fn select_column<const ALL: bool>(
+    candidates: Range<usize>,
+    sums: &[u16],
+    right: &mut [u32],
+) -> (Key, u16) {
+    let (start, count) = (candidates.start as u32, candidates.len() as u32);
+    let mut lowest = [u32::MAX; LANES];
+    let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
+    for (group, (sums, right)) in groups.enumerate() {
+        for i in 0..LANES {
+            let k = (group * LANES + i) as u32;
+            let key = u32::from(sums[i]) << 16 | k;
+            let key = if ALL || k.wrapping_sub(start) < count { key } else { u32::MAX };
+            lowest[i] = lowest[i].min(key);
+            right[i] = right[i].min(key);
+        }
+    }
+    let winner = Key(lowest.into_iter().fold(u32::MAX, u32::min));
+    let neighbour = (winner.0 as u16).wrapping_sub(1);
+    let mut others = [u16::MAX; LANES];
+    for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
+        for i in 0..LANES {
+            let k = (group * LANES + i) as u16;
+            let other = k.wrapping_sub(neighbour) > 2;
+            let tried = ALL || k.wrapping_sub(start as u16) < count as u16;
+            let sum = if other & tried { sums[i] } else { u16::MAX };
+            others[i] = others[i].min(sum);
+        }
+    }
+    let margin = match others.into_iter().fold(u16::MAX, u16::min) {
+        u16::MAX => 0,
+        second => second - winner.sum(),
+    };
+    (winner, margin)
+}
+
 at_every_level! {
     /// One pass over the sums of each column serves both views: in the mirror the right columns that
     /// a left one can match stand in the order of their disparities, so that whole vectors of keys
@@ -71,38 +112,14 @@ at_every_level! {
             if candidates.is_empty() {
                 continue;
             }
-            let (start, count) = (candidates.start as u32, candidates.len() as u32);
             // Where disparity 0 of this column stands among the right keys.
             let place = (space.mirrored(space.first + x) + space.lanes as i64) as usize;
             let right = &mut right[place..place + space.lanes];
-            let mut lowest = [u32::MAX; LANES];
-            let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
-            for (group, (sums, right)) in groups.enumerate() {
-                for i in 0..LANES {
-                    let k = (group * LANES + i) as u32;
-                    let key = u32::from(sums[i]) << 16 | k;
-                    let key = if k.wrapping_sub(start) < count { key } else { u32::MAX };
-                    lowest[i] = lowest[i].min(key);
-                    right[i] = right[i].min(key);
-                }
-            }
-            let winner = Key(lowest.into_iter().fold(u32::MAX, u32::min));
-            let neighbour = (winner.0 as u16).wrapping_sub(1);
-            let mut others = [u16::MAX; LANES];
-            for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
-                for i in 0..LANES {
-                    let k = (group * LANES + i) as u16;
-                    let other = k.wrapping_sub(neighbour) > 2;
-                    let tried = k.wrapping_sub(start as u16) < count as u16;
-                    let sum = if other & tried { sums[i] } else { u16::MAX };
-                    others[i] = others[i].min(sum);
-                }
-            }
-            let margin = match others.into_iter().fold(u16::MAX, u16::min) {
-                u16::MAX => 0,
-                second => second - winner.sum(),
+            left[x] = if candidates.len() == space.lanes {
+                select_column::<true>(candidates, sums, right)
+            } else {
+                select_column::<false>(candidates, sums, right)
             };
-            left[x] = (winner, margin);
         }
     }
 }
