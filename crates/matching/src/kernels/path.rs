@@ -194,7 +194,9 @@ at_every_level! {
     /// Without `LAST` the four detours' sum, at most 255, is left in `detours`. With it `detours` has
     /// what the four opposite paths left, and `sums` gets the sum of all eight: eight costs, and the
     /// detours of both.
-    pub fn paths_of_row<const REVERSE: bool, const LAST: bool>(
+    ///
+    /// With `RISE` surfaces rise as `transitions` say, without it nowhere.
+    pub fn paths_of_row<const REVERSE: bool, const LAST: bool, const RISE: bool>(
         cost: &[u8],
         count: usize,
         transitions: &RowTransitions,
@@ -224,6 +226,9 @@ at_every_level! {
             let named = |path: usize| if REVERSE && path < 3 { 2 - path } else { path };
             // Where each path reads the state before.
             let first: [usize; 4] = std::array::from_fn(|path| {
+                if !RISE {
+                    return MARGIN;
+                }
                 let rise = transitions.rise[named(path)][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
                 (MARGIN as isize - isize::from(rise)) as usize
             });
@@ -337,7 +342,8 @@ mod tests {
                 let mut detours = vec![3u8; columns * count];
                 let mut sums = vec![0u16; columns * count];
                 let [before, after] = &mut states;
-                let paths = [paths_of_row::<false, false>, paths_of_row::<false, true>][y % 2];
+                let paths =
+                    [paths_of_row::<false, false, true>, paths_of_row::<false, true, true>][y % 2];
                 paths(
                     level,
                     cost,

@@ -187,12 +187,10 @@ impl Sweep {
         let [row, row_before] = [y, before].map(|y| shared.guide.row(y));
         let p2 = &mut self.transitions.p2;
         penalties_of_row(shared.level, shared.penalties, row, row_before, reverse, p2);
-        match shared.prior {
-            Some(prior) if before != y => {
-                prior.rises(shared.level, y, reverse, &mut self.transitions.rise)
-            }
-            // Paths begin in a sweep's first row.
-            _ => self.transitions.rise.iter_mut().for_each(|rise| rise.fill(0)),
+        // Paths begin in a sweep's first row.
+        let prior = shared.prior.filter(|_| before != y);
+        if let Some(prior) = prior {
+            prior.rises(shared.level, y, reverse, &mut self.transitions.rise);
         }
         shared.costs.fill_row(y, &mut self.costs);
         let detours = if last {
@@ -202,11 +200,15 @@ impl Sweep {
         } else {
             detours
         };
-        let paths = match (reverse, last) {
-            (false, false) => paths_of_row::<false, false>,
-            (false, true) => paths_of_row::<false, true>,
-            (true, false) => paths_of_row::<true, false>,
-            (true, true) => paths_of_row::<true, true>,
+        let paths = match (reverse, last, prior.is_some()) {
+            (false, false, false) => paths_of_row::<false, false, false>,
+            (false, false, true) => paths_of_row::<false, false, true>,
+            (false, true, false) => paths_of_row::<false, true, false>,
+            (false, true, true) => paths_of_row::<false, true, true>,
+            (true, false, false) => paths_of_row::<true, false, false>,
+            (true, false, true) => paths_of_row::<true, false, true>,
+            (true, true, false) => paths_of_row::<true, true, false>,
+            (true, true, true) => paths_of_row::<true, true, true>,
         };
         let [old, new] = &mut self.states;
         paths(

@@ -1,5 +1,7 @@
 //! The plane that a pixel of a disparity map lies on.
 
+use std::ops::Range;
+
 use raster::Plane;
 
 use crate::kernels::level::{Level, at_every_level};
@@ -42,21 +44,24 @@ impl Surface {
         let here = values.row(y)[x];
         // Disparities above this one's, by their place in the window.
         let mut window = [[HOLE; PADDED]; SIDE];
-        let place = |i: usize, at: usize, end: usize| {
-            (at + FIT_STEP * i).checked_sub(FIT_RADIUS).filter(|&place| place < end)
-        };
-        for (j, window) in window.iter_mut().enumerate() {
-            let Some(v) = place(j, y, rows) else { continue };
-            let row = values.row(v);
-            for (i, sample) in window[..SIDE].iter_mut().enumerate() {
-                if let Some(u) = place(i, x, columns).filter(|&u| !row[u].is_nan()) {
-                    *sample = row[u] - here;
-                }
+        let (across, down) = (samples_inside(x, columns), samples_inside(y, rows));
+        let first = x + FIT_STEP * across.start - FIT_RADIUS;
+        for j in down {
+            let row = values.row(y + FIT_STEP * j - FIT_RADIUS)[first..].iter().step_by(FIT_STEP);
+            for (sample, &value) in window[j][across.clone()].iter_mut().zip(row) {
+                *sample = if value.is_nan() { HOLE } else { value - here };
             }
         }
         let plane = fit_window(level, &window);
         Self { disparity: here + plane.disparity, ..plane }
     }
+}
+
+/// The samples of a window around `at` that lie between 0 and `end`.
+fn samples_inside(at: usize, end: usize) -> Range<usize> {
+    let first = FIT_RADIUS.saturating_sub(at).div_ceil(FIT_STEP);
+    let last = (end - 1 - at + FIT_RADIUS) / FIT_STEP;
+    first..SIDE.min(last + 1)
 }
 
 /// From the middle of a window to its place `i`, in pixels.

@@ -48,9 +48,10 @@ pub(crate) fn cross_check(
                 // The column that this one points at, and one to each side.
                 let target = mirrored - ((u + other_first) as f32 - d) - first;
                 if target >= 0.0 && target <= (columns - 1) as f32 {
-                    let target = (target + 0.5) as usize;
-                    let near = target.saturating_sub(1)..=(target + 1).min(columns - 1);
-                    reasons[near].fill(Reason::MismatchedHole);
+                    let target = (target + 0.5) as i32 as usize;
+                    for near in [target.saturating_sub(1), target, (target + 1).min(columns - 1)] {
+                        reasons[near] = Reason::MismatchedHole;
+                    }
                 }
             }
             for (x, (value, reason)) in values.iter_mut().zip(reasons).enumerate() {
@@ -93,7 +94,7 @@ fn disagreement(mirrored: f32, column: f32, value: f32, other: &[f32], other_fir
     let target = mirrored - (column - value) - other_first as f32;
     if target > -0.5 && target < other.len() as f32 - 0.5 {
         // To the nearest: nothing here is below -0.5.
-        (other[(target + 0.5) as usize] - value).abs()
+        (other[(target + 0.5) as i32 as usize] - value).abs()
     } else {
         f32::NAN
     }

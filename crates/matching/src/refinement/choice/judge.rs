@@ -20,6 +20,9 @@ const SECOND: usize = 16;
 /// Errors beyond this, in pixels, are as bad as this.
 const FAR: f32 = 3.0;
 
+/// Sums that grow together: each number of the layer before is read once for all of these.
+const TOGETHER: usize = 4;
+
 /// One number for each candidate.
 type Lanes = [f32; CANDIDATES];
 
@@ -27,7 +30,8 @@ type Lanes = [f32; CANDIDATES];
 pub(crate) struct Judge {
     places: [Lanes; FIRST],
     of_each: [[f32; OF_EACH]; FIRST],
-    of_pixel: [[f32; OF_PIXEL]; FIRST],
+    /// Of each number of the pixel, so that all sums grow together.
+    of_pixel: [[f32; FIRST]; OF_PIXEL],
     second: [[f32; FIRST]; SECOND],
     second_offsets: [f32; SECOND],
     last: [f32; SECOND],
@@ -50,14 +54,22 @@ impl Judge {
     pub const OPERATIONS: usize =
         4 * CANDIDATES * (2 * (FIRST * OF_EACH + SECOND * FIRST + SECOND) + CANDIDATES * (4 + 4));
 
-    /// From its numbers, in the order of the fields.
+    /// From its numbers, in the order of the fields, those of the layers row by row.
     pub fn new(numbers: impl IntoIterator<Item = f32>) -> Self {
         let mut numbers = numbers.into_iter();
         let mut next = || numbers.next().expect("there is a number for every weight");
+        let places = std::array::from_fn(|_| std::array::from_fn(|_| next()));
+        let of_each = std::array::from_fn(|_| std::array::from_fn(|_| next()));
+        let mut of_pixel = [[0.0; FIRST]; OF_PIXEL];
+        for h in 0..FIRST {
+            for i in 0..OF_PIXEL {
+                of_pixel[i][h] = next();
+            }
+        }
         Self {
-            places: std::array::from_fn(|_| std::array::from_fn(|_| next())),
-            of_each: std::array::from_fn(|_| std::array::from_fn(|_| next())),
-            of_pixel: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+            places,
+            of_each,
+            of_pixel,
             second: std::array::from_fn(|_| std::array::from_fn(|_| next())),
             second_offsets: std::array::from_fn(|_| next()),
             last: std::array::from_fn(|_| next()),
@@ -99,22 +111,16 @@ impl Judge {
 
     #[inline(always)]
     fn scores(&self, known: &Known) -> Lanes {
+        let mut own = [0.0; FIRST];
+        for (weights, of_pixel) in self.of_pixel.iter().zip(known.of_pixel) {
+            for h in 0..FIRST {
+                own[h] += weights[h] * of_pixel;
+            }
+        }
         let mut first = self.places;
-        for h in 0..FIRST {
-            let mut own = 0.0;
-            for i in 0..OF_PIXEL {
-                own += self.of_pixel[h][i] * known.of_pixel[i];
-            }
-            for k in 0..CANDIDATES {
-                first[h][k] += own;
-            }
-        }
-        layer(&self.of_each, &known.of_each, &mut first);
+        layer(&self.of_each, &known.of_each, &own, &mut first);
         let mut second = [[0.0; CANDIDATES]; SECOND];
-        for h in 0..SECOND {
-            second[h] = [self.second_offsets[h]; CANDIDATES];
-        }
-        layer(&self.second, &first, &mut second);
+        layer(&self.second, &first, &self.second_offsets, &mut second);
         let mut scores = [0.0; CANDIDATES];
         for h in 0..SECOND {
             for k in 0..CANDIDATES {
@@ -125,24 +131,48 @@ impl Judge {
     }
 }
 
-/// Adds weighted sums to `out`, and what is negative becomes zero.
+/// Adds offsets and weighted sums to `out`, and what is negative becomes zero.
 #[inline(always)]
 fn layer<const FROM: usize, const TO: usize>(
     weights: &[[f32; FROM]; TO],
     from: &[Lanes; FROM],
+    offsets: &[f32; TO],
     out: &mut [Lanes; TO],
 ) {
-    for (weights, out) in weights.iter().zip(out) {
-        let mut sums = *out;
-        for (weight, from) in weights.iter().zip(from) {
-            for k in 0..CANDIDATES {
-                sums[k] += weight * from[k];
-            }
-        }
+    const { assert!(TO.is_multiple_of(TOGETHER)) };
+    let rows = weights.as_chunks::<TOGETHER>().0.iter().zip(out.as_chunks_mut::<TOGETHER>().0);
+    for ((weights, out), offsets) in rows.zip(offsets.as_chunks::<TOGETHER>().0) {
+        let [mut a, mut b, mut c, mut d] = *out;
         for k in 0..CANDIDATES {
-            out[k] = if sums[k] > 0.0 { sums[k] } else { 0.0 };
+            a[k] += offsets[0];
+            b[k] += offsets[1];
+            c[k] += offsets[2];
+            d[k] += offsets[3];
         }
+        for i in 0..FROM {
+            add_weighted(weights[0][i], &from[i], &mut a);
+            add_weighted(weights[1][i], &from[i], &mut b);
+            add_weighted(weights[2][i], &from[i], &mut c);
+            add_weighted(weights[3][i], &from[i], &mut d);
+        }
+        *out = [positive(&a), positive(&b), positive(&c), positive(&d)];
     }
+}
+
+#[inline(always)]
+fn add_weighted(weight: f32, from: &Lanes, sums: &mut Lanes) {
+    for k in 0..CANDIDATES {
+        sums[k] += weight * from[k];
+    }
+}
+
+#[inline(always)]
+fn positive(sums: &Lanes) -> Lanes {
+    let mut out = [0.0; CANDIDATES];
+    for k in 0..CANDIDATES {
+        out[k] = if sums[k] > 0.0 { sums[k] } else { 0.0 };
+    }
+    out
 }
 
 /// `e^x` of what is not positive, by powers of two and a polynomial of what is left (its Taylor
@@ -189,7 +219,7 @@ mod tests {
         let score = |k: usize| -> f64 {
             let first = |h: usize| {
                 let each = judge.of_each[h].iter().zip(&known.of_each);
-                let pixel = judge.of_pixel[h].iter().zip(&known.of_pixel);
+                let pixel = (0..OF_PIXEL).map(|i| (&judge.of_pixel[i][h], &known.of_pixel[i]));
                 let sum = wide(judge.places[h][k])
                     + each.map(|(w, f)| wide(*w) * wide(f[k])).sum::<f64>()
                     + pixel.map(|(w, f)| wide(*w) * wide(*f)).sum::<f64>();
