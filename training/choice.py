@@ -21,7 +21,7 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-CANDIDATES, OF_EACH, OF_PIXEL = 32, 17, 6
+CANDIDATES, OF_EACH, OF_PIXEL = 32, 20, 6
 FIRST, SECOND = 32, 16
 NUMBERS = 2 + CANDIDATES * (2 + OF_EACH) + OF_PIXEL
 BATCH = 1024

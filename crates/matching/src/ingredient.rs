@@ -25,8 +25,8 @@ pub enum Ingredient {
     SupportWeights,
     /// The same in the right view.
     RightSupportWeights,
-    /// Both once more.
-    SupportWeightsAgain,
+    /// Winners that another disparity comes near to taken out.
+    Uniqueness,
     /// The check against the right view.
     LeftRightCheck,
     /// Small groups taken out.
@@ -48,10 +48,11 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// Both presets have these, in the order of the stages.
-const BALANCED: [Ingredient; 9] = [
+const BALANCED: [Ingredient; 10] = [
     Gradient,
     AdaptiveP2,
     SubPixel,
+    Uniqueness,
     LeftRightCheck,
     SpeckleFilter,
     Interpolation,
@@ -67,9 +68,9 @@ const BEST: [Ingredient; 17] = [
     SurfacePrior,
     LastSurfaceRun,
     SubPixel,
+    Uniqueness,
     SupportWeights,
     RightSupportWeights,
-    SupportWeightsAgain,
     LeftRightCheck,
     SpeckleFilter,
     Interpolation,
@@ -145,10 +146,10 @@ impl Ingredient {
                 "the same in the right view",
                 "the left view is checked against the paths' right one",
             ),
-            SupportWeightsAgain => (
-                "support-weights-again",
-                "a second round of support weights, in the views that had the first",
-                "one round",
+            Uniqueness => (
+                "uniqueness",
+                "winners whose sum another disparity's comes within 2 of go out",
+                "winners stay however close the next",
             ),
             LeftRightCheck => (
                 "left-right-check",
@@ -157,7 +158,7 @@ impl Ingredient {
             ),
             SpeckleFilter => (
                 "speckle-filter",
-                "groups of fewer than 60 pixels go out",
+                "groups of fewer than 100 pixels (60 where paths run again) go out",
                 "groups of any size stay",
             ),
             Interpolation => (

@@ -40,8 +40,8 @@ struct Weights {
     descriptor: u16,
 }
 
-const CERTAIN: Weights = Weights::new(75, 0);
-const DOUBTFUL: Weights = Weights::new(46, 24);
+const CERTAIN: Weights = Weights::new(80, 0);
+const DOUBTFUL: Weights = Weights::new(49, 24);
 
 impl Weights {
     const fn new(census: u16, descriptor: u16) -> Self {

@@ -35,9 +35,13 @@ use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
 /// What changes of disparity cost.
-const PENALTIES: Penalties = Penalties { p1: 16, p2: 75, p2_least: 25, fall: 96 };
-/// Smaller groups of equal disparity are speckles.
-const LEAST_GROUP: usize = 60;
+const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 20, fall: 171 };
+/// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
+/// nor is one that has no others to be compared with, at the end of the right image.
+const UNIQUE: u16 = 2;
+/// Smaller groups of equal disparity are speckles; where the paths run again, groups may still grow.
+const LEAST_GROUP: usize = 100;
+const LEAST_GROUP_TO_GROW: usize = 60;
 /// Neighbours of one group differ by at most this.
 const GROUP_STEP: f32 = 1.0;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
@@ -203,10 +207,12 @@ impl View {
         let written = in_steps(level, numbers, values, &mut self.steps);
         let step = numbers.steps(GROUP_STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
+        let grows = ingredients.has(Ingredient::SurfacePrior);
+        let least = if grows { LEAST_GROUP_TO_GROW } else { LEAST_GROUP };
         let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
         for y in 0..rows {
             for (run, size) in self.groups.runs(y) {
-                if size < LEAST_GROUP {
+                if size < least {
                     values.row_mut(y)[run.clone()].fill(f32::NAN);
                     reasons.row_mut(y)[run].fill(Reason::MismatchedHole);
                 }
@@ -267,6 +273,9 @@ impl SemiGlobalMatching {
             false => Penalties { fall: 0, ..PENALTIES },
         };
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
+        // A range of three disparities can leave none to compare a winner with.
+        let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
+        let least_margin = if compared { UNIQUE } else { 0 };
         let grey = &self.grey[0].samples()[work.y0 * width + work.x0..];
         let guide = raster::View::new(work.columns(), work.rows(), width, grey)
             .expect("the part lies in the image");
@@ -280,8 +289,17 @@ impl SemiGlobalMatching {
             (middle, left.1, right.1, confidence.1, lower),
         ];
         let finish = halves.map(|(first, left, right, confidence, winners)| {
-            let mut rows =
-                Selection { level, space, sub_pixel, first, left, right, confidence, winners };
+            let mut rows = Selection {
+                level,
+                space,
+                sub_pixel,
+                least_margin,
+                first,
+                left,
+                right,
+                confidence,
+                winners,
+            };
             move |y: usize, sums: &[u16]| rows.row(y, sums)
         });
         let paths = self.optimizer.run(
@@ -536,9 +554,6 @@ impl Pipeline for SemiGlobalMatching {
             }
             if ingredients.has(Ingredient::SupportWeights) {
                 self.sharpen(search, profile);
-                if ingredients.has(Ingredient::SupportWeightsAgain) {
-                    self.sharpen(search, profile);
-                }
             }
             if !ingredients.has(Ingredient::PathMargin) {
                 self.trust_agreement(width, confidence);

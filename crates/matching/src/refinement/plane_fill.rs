@@ -23,7 +23,7 @@ use crate::profile::Work;
 use crate::selection::cross_check::ViewMap;
 
 /// Ends of a hole that differ by no more, in pixels, may be of one surface ...
-const ONE_SURFACE: f32 = 3.0;
+const ONE_SURFACE: f32 = 7.5;
 /// ... if the hole is so many times wider than they differ: an occlusion is about as wide as the
 /// step of disparity beside it.
 const WIDER: f32 = 2.0;

@@ -17,6 +17,8 @@ pub(crate) struct Selection<'a> {
     pub space: &'a SearchSpace,
     /// Whether disparities have fractions.
     pub sub_pixel: bool,
+    /// Winners of the left view with a smaller margin are no matches.
+    pub least_margin: u16,
     /// The first of the rows.
     pub first: usize,
     /// Per row `space.columns()` disparities of the left view.
@@ -48,7 +50,8 @@ impl Selection<'_> {
         let winners = self.winners.left.iter().zip(left.iter_mut().zip(confidence));
         for (x, (&(winner, margin), (value, confidence))) in winners.enumerate() {
             let sums = &sums[x * space.lanes..][..space.lanes];
-            *value = winner.disparity().map_or(f32::NAN, |k| {
+            let unique = winner.disparity().filter(|_| margin >= self.least_margin);
+            *value = unique.map_or(f32::NAN, |k| {
                 disparity(k, fraction(sums, k, space.candidates(space.first + x)))
             });
             *confidence = f32::from(margin) / (f32::from(margin) + HALF_SURE);

@@ -125,7 +125,7 @@ at_every_level! {
 }
 
 /// What is added to a winner for its fraction of a pixel: 0 at the ends of the range.
-pub(crate) fn fraction(costs: &[u16], winner: usize, candidates: std::ops::Range<usize>) -> f32 {
+pub(crate) fn fraction(costs: &[u16], winner: usize, candidates: Range<usize>) -> f32 {
     if winner <= candidates.start || winner + 1 >= candidates.end {
         return 0.0;
     }

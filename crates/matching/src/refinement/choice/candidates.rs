@@ -5,6 +5,7 @@
 
 use raster::{Plane, Reason};
 
+use super::edges::{Edges, way};
 use crate::cost::looks::{LARGEST_STEP, Looks};
 use crate::refinement::slopes::Slopes;
 
@@ -47,8 +48,19 @@ const PLACES: [(i32, i32); CANDIDATES] = [
     (0, -48),
 ];
 
+/// The ways that lead there.
+const WAYS: [usize; CANDIDATES] = {
+    let mut ways = [0; CANDIDATES];
+    let mut k = 0;
+    while k < CANDIDATES {
+        ways[k] = way(PLACES[k]);
+        k += 1;
+    }
+    ways
+};
+
 /// What is known of each candidate, in the order of [`Known::of_each`].
-pub const OF_EACH: usize = 17;
+pub const OF_EACH: usize = 20;
 /// What is known of the pixel, in the order of [`Known::of_pixel`].
 pub const OF_PIXEL: usize = 6;
 
@@ -83,6 +95,7 @@ pub(crate) struct Scene<'a> {
     pub slopes: &'a Slopes,
     pub reasons: &'a Plane<Reason>,
     pub confidence: &'a Plane<f32>,
+    pub edges: &'a Edges,
     pub given: &'a Given<'a>,
 }
 
@@ -102,7 +115,10 @@ pub struct Known {
     /// 11, 12: the share of candidates that say the same, and that of those of the same shade;
     /// 13, 14: how far it lies from the smallest and from the largest one;
     /// 15: whether the match lies outside the right image;
-    /// 16: how steep its plane is.
+    /// 16: how steep its plane is;
+    /// 17: how much the grey changes on the way to there;
+    /// 18, 19: the share of candidates that say the same among the confident ones, and among those
+    /// that no edge parts from the pixel.
     pub of_each: [[f32; CANDIDATES]; OF_EACH],
     /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
     pub of_pixel: [f32; OF_PIXEL],
@@ -227,6 +243,7 @@ impl Scene<'_> {
             known.of_each[4][k] = share(self.is_doubtful(i));
             known.of_each[5][k] = (there - here).abs() * 0.05;
             known.of_each[16][k] = 2.0 * (along[i].abs() + down[i].abs());
+            known.of_each[17][k] = bent(f32::from(self.edges.between(own, i, WAYS[k])) * 0.05);
         }
         known.of_pixel[..5].copy_from_slice(&[
             confidence[own],
@@ -343,11 +360,12 @@ fn columns_around(column: i64, columns: usize) -> [usize; 3] {
     [before.clamp(0, last) as usize, here.clamp(0, last) as usize, after.clamp(0, last) as usize]
 }
 
-/// Counts the candidates that say the same.
+/// Counts the candidates that say the same: all alike, and weighed by how far each is to be heard.
 #[inline(always)]
 fn count_same(known: &mut Known) {
     let Known { disparities, inside, of_each, .. } = known;
-    let (mut votes, mut alike, mut all) = ([0.0f32; CANDIDATES], [0.0f32; CANDIDATES], 0.0);
+    let mut votes = [[0.0f32; CANDIDATES]; 4];
+    let mut all = [0.0; 4];
     for k in 0..CANDIDATES {
         if !inside[k] {
             continue;
@@ -355,16 +373,26 @@ fn count_same(known: &mut Known) {
         // Of the same shade: 1 to 0 over 16 grey values.
         let shade = 1.0 - of_each[5][k] * 1.25;
         let shade = if shade < 0.05 { 0.05 } else { shade };
-        all += shade;
+        let confident = of_each[2][k] + 0.01;
+        let edges = of_each[17][k];
+        let near = 1.0 / (1.0 + edges * edges);
         let there = disparities[k];
+        let [any, alike, sure, joined] = &mut votes;
         for i in 0..CANDIDATES {
             let same = share((disparities[i] - there).abs() < SAME);
-            votes[i] += same;
+            any[i] += same;
             alike[i] += same * shade;
+            sure[i] += same * confident;
+            joined[i] += same * near;
         }
+        all[1] += shade;
+        all[2] += confident;
+        all[3] += near;
     }
-    for i in 0..CANDIDATES {
-        of_each[11][i] = votes[i] * (3.0 / CANDIDATES as f32);
-        of_each[12][i] = alike[i] * (3.0 / all);
+    all[0] = CANDIDATES as f32;
+    for (place, (votes, all)) in [11, 12, 18, 19].into_iter().zip(votes.iter().zip(all)) {
+        for i in 0..CANDIDATES {
+            of_each[place][i] = votes[i] * (3.0 / all);
+        }
     }
 }

@@ -12,6 +12,7 @@
 //! threads.
 
 mod candidates;
+mod edges;
 mod judge;
 mod lesson;
 mod rounds;
@@ -97,6 +98,7 @@ at_every_level! {
 mod tests {
     use raster::Reason;
 
+    use super::edges::Edges;
     use super::*;
     use crate::cost::looks::Looks;
     use crate::refinement::slopes::Slopes;
@@ -121,6 +123,7 @@ mod tests {
         confidence: Plane<f32>,
         looks: [Looks; 2],
         right: Plane<f32>,
+        edges: Edges,
     }
 
     fn truth(x: usize) -> f32 {
@@ -145,7 +148,10 @@ mod tests {
             });
             let mut slopes = Slopes::default();
             slopes.compute(level, &values);
+            let mut edges = Edges::default();
+            edges.compute(&looks[0], FIRST, COLUMNS);
             Self {
+                edges,
                 slopes,
                 reasons: values.map(|_| Reason::Matched),
                 doubtful: values.map(|_| false),
@@ -177,6 +183,7 @@ mod tests {
                 slopes: &self.slopes,
                 reasons: &self.reasons,
                 confidence: &self.confidence,
+                edges: &self.edges,
                 given,
             }
         }
@@ -206,6 +213,9 @@ mod tests {
         assert_eq!([9, 10].map(|i| known.of_each[i][wall]), [0.0, 0.0]);
         assert_eq!([13, 14].map(|i| known.of_each[i][wall]), [0.0, 2.0]);
         assert_eq!(known.of_each[15], [0.0; CANDIDATES]);
+        assert_eq!(known.of_each[17][0], 0.0);
+        let mut edges = known.of_each[17].iter().zip(known.inside).skip(1);
+        assert!(edges.all(|(&edges, inside)| !inside || edges > 0.0), "all of it is noise");
         assert_eq!(known.of_pixel[..5], [0.5, 0.0, 1.0, 0.0, 1.0]);
         let inside = known.inside.iter().filter(|&&inside| inside).count() as f32;
         assert!(inside < 32.0, "some lie above and below the map");

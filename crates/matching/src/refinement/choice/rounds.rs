@@ -4,6 +4,7 @@ use raster::{Plane, Reason};
 use rayon::prelude::*;
 
 use super::candidates::{Given, Scene};
+use super::edges::Edges;
 use super::lesson::Lesson;
 use super::{choose, judges};
 use crate::kernels::level::Level;
@@ -23,6 +24,7 @@ pub(crate) struct Choices {
     certainty: Plane<f32>,
     /// The same after the round that runs.
     next: Plane<f32>,
+    edges: Edges,
     /// Where judges are taught: what is known when those that there are have spoken.
     lesson: Option<Lesson>,
 }
@@ -30,7 +32,7 @@ pub(crate) struct Choices {
 impl Choices {
     /// What they take for a map of so many pixels.
     pub fn bytes(pixels: usize) -> usize {
-        2 * size_of::<f32>() * pixels
+        2 * size_of::<f32>() * pixels + Edges::bytes(pixels)
     }
 
     /// With a lesson to be learned from the first frame.
@@ -70,9 +72,9 @@ impl Choices {
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
-        let Self { certainty, next, lesson } = self;
+        let Self { certainty, next, edges, lesson } = self;
         let ViewMap { values: other, reasons, .. } = map;
-        let mut done = Work::default();
+        let mut done = edges.compute(given.base, given.first, values.columns());
         let lessons = lesson.as_mut().map(Err);
         for (round, judge) in judges(with_last).iter().map(Ok).chain(lessons).enumerate() {
             if round > 0 {
@@ -80,7 +82,7 @@ impl Choices {
                 std::mem::swap(values, other);
             }
             done = done + slopes.compute(level, values);
-            let scene = Scene { values, slopes, reasons, confidence: certainty, given };
+            let scene = Scene { values, slopes, reasons, confidence: certainty, edges, given };
             match judge {
                 Ok(judge) => done = done + choose(level, judge, &scene, next, other),
                 Err(lesson) => {
