@@ -134,7 +134,8 @@ mod tests {
         fn new(values: Plane<f32>) -> Self {
             let level = Level::available()[0];
             let mut state = 3;
-            let grey = Plane::from_fn(WIDTH + 20, ROWS, |_, _| (200.0 * noise(&mut state)) as u8);
+            // As much texture as photographs have: steps all over would part a pixel from everything.
+            let grey = Plane::from_fn(WIDTH + 20, ROWS, |_, _| (60.0 * noise(&mut state)) as u8);
             let shade = |x: usize, y: usize, d: f32| grey.row(y)[x].saturating_add(4 * d as u8);
             let left = Plane::from_fn(WIDTH, ROWS, |x, y| shade(x, y, truth(x)));
             let right = Plane::from_fn(WIDTH, ROWS, |x, y| {
