@@ -34,8 +34,10 @@ use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What changes of disparity cost.
-const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 20, fall: 171 };
+/// What changes of disparity cost. Noise steps too, and a penalty that falls faster follows it: where
+/// the paths run again that is made good, and edges are the sharper for it.
+const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 25, fall: 96 };
+const PENALTIES_AGAIN: Penalties = Penalties { p1: 17, p2: 75, p2_least: 20, fall: 171 };
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
@@ -269,6 +271,7 @@ impl SemiGlobalMatching {
         let doubtful =
             (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
         let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
+            true if ingredients.has(Ingredient::SurfacePrior) => PENALTIES_AGAIN,
             true => PENALTIES,
             false => Penalties { fall: 0, ..PENALTIES },
         };
