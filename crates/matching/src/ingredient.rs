@@ -158,7 +158,7 @@ impl Ingredient {
             ),
             SpeckleFilter => (
                 "speckle-filter",
-                "groups of fewer than 100 pixels (60 where paths run again) go out",
+                "groups of fewer than 60 pixels go out",
                 "groups of any size stay",
             ),
             Interpolation => (

@@ -40,7 +40,7 @@ struct Weights {
     descriptor: u16,
 }
 
-const CERTAIN: Weights = Weights::new(80, 0);
+const CERTAIN: Weights = Weights::new(75, 0);
 const DOUBTFUL: Weights = Weights::new(49, 24);
 
 impl Weights {

@@ -41,9 +41,8 @@ const PENALTIES_AGAIN: Penalties = Penalties { p1: 17, p2: 75, p2_least: 20, fal
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
-/// Smaller groups of equal disparity are speckles; where the paths run again, groups may still grow.
-const LEAST_GROUP: usize = 100;
-const LEAST_GROUP_TO_GROW: usize = 60;
+/// Smaller groups of equal disparity are speckles.
+const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
 const GROUP_STEP: f32 = 1.0;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
@@ -209,12 +208,10 @@ impl View {
         let written = in_steps(level, numbers, values, &mut self.steps);
         let step = numbers.steps(GROUP_STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
-        let grows = ingredients.has(Ingredient::SurfacePrior);
-        let least = if grows { LEAST_GROUP_TO_GROW } else { LEAST_GROUP };
         let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
         for y in 0..rows {
             for (run, size) in self.groups.runs(y) {
-                if size < least {
+                if size < LEAST_GROUP {
                     values.row_mut(y)[run.clone()].fill(f32::NAN);
                     reasons.row_mut(y)[run].fill(Reason::MismatchedHole);
                 }
