@@ -1,8 +1,8 @@
 //! How much memory the stages take for a frame, told before any of it is taken.
 //!
 //! Every stage keeps its memory until the next frame, so what a frame takes is a sum over all of
-//! them: planes that are counted here in bytes per pixel, and what semi-global matching keeps, for which there
-//! is a choice ([`Bands`]).
+//! them: planes that are counted here in bytes per pixel, and what semi-global matching keeps, for
+//! which there is a choice ([`Bands`]).
 
 use raster::{BoundingBox, Image};
 

@@ -34,8 +34,8 @@ use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What changes of disparity cost. Noise steps too, and a penalty that falls faster follows it: where
-/// the paths run again that is made good, and edges are the sharper for it.
+/// What changes of disparity cost, where the paths run once and where they run again. A penalty that
+/// falls faster is better on clean pairs and worse on noisy ones, whose noise steps too.
 const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 25, fall: 96 };
 const PENALTIES_AGAIN: Penalties = Penalties { p1: 17, p2: 75, p2_least: 20, fall: 171 };
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
@@ -56,7 +56,6 @@ const FILLED: f32 = 0.05;
 const PATHS: &str = "costs, eight paths, winners";
 const CHECK: &str = "check, speckles";
 const FILL: &str = "fill";
-const SUPPORT_WEIGHTS: &str = "support weights, with their fill";
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
@@ -380,7 +379,7 @@ impl SemiGlobalMatching {
         if both {
             done = done + self.right.refine(search, other_of_right, slopes, weights);
         }
-        profile.end(SUPPORT_WEIGHTS, done);
+        profile.end("support weights, with their fill", done);
     }
 
     /// Looks at both images, in a mirror too where the right view is sharpened.

@@ -59,12 +59,13 @@ pub fn command_line() -> String {
     format!("hazcam {}", words.join(" "))
 }
 
-/// Words without `--out` and the folder that it names.
+/// Words without `--out`, or `-o`, and the folder that it names.
 fn without_out(words: impl Iterator<Item = String>) -> impl Iterator<Item = String> {
     let mut names_a_folder = false;
     words.filter(move |word| {
-        let is_folder = std::mem::replace(&mut names_a_folder, word == "--out");
-        !is_folder && !names_a_folder && !word.starts_with("--out=")
+        let is_folder = std::mem::replace(&mut names_a_folder, word == "--out" || word == "-o");
+        let has_folder = word.starts_with("--out=") || word.starts_with("-o");
+        !is_folder && !names_a_folder && !has_folder
     })
 }
 
@@ -96,6 +97,7 @@ mod tests {
         };
         assert_eq!(left("bench --out here -m fast"), ["bench", "-m", "fast"]);
         assert_eq!(left("bench -m fast --out=here --into page"), left("bench -m fast --into page"));
+        assert_eq!(left("bench -o here -m fast -othere"), ["bench", "-m", "fast"]);
         assert_eq!(left("bench --outer x"), ["bench", "--outer", "x"]);
     }
 

@@ -365,7 +365,7 @@ fn columns_around(column: i64, columns: usize) -> [usize; 3] {
 fn count_same(known: &mut Known) {
     let Known { disparities, inside, of_each, .. } = known;
     let mut votes = [[0.0f32; CANDIDATES]; 4];
-    let mut all = [0.0; 4];
+    let mut all = [CANDIDATES as f32, 0.0, 0.0, 0.0];
     for k in 0..CANDIDATES {
         if !inside[k] {
             continue;
@@ -389,7 +389,6 @@ fn count_same(known: &mut Known) {
         all[2] += confident;
         all[3] += near;
     }
-    all[0] = CANDIDATES as f32;
     for (place, (votes, all)) in [11, 12, 18, 19].into_iter().zip(votes.iter().zip(all)) {
         for i in 0..CANDIDATES {
             of_each[place][i] = votes[i] * (3.0 / all);
