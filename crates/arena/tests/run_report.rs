@@ -1,6 +1,7 @@
 //! Engines on scenes end as records, tables and summaries, whatever becomes of one of them.
 #![cfg(unix)]
 
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -58,6 +59,7 @@ fn plan(engines: Vec<Definition>, repeats: usize) -> Plan {
         limits: Limits::default(),
         threads: 1,
         repeats,
+        jobs: NonZeroUsize::MIN,
         machine: Machine::this(None),
     }
 }
@@ -128,6 +130,38 @@ fn a_crash_is_a_row_and_the_rest_goes_on() {
     let summaries = report::summaries(&records, Some("crashing"));
     assert_eq!((summaries[0].scenes, summaries[0].failed), (0, 1));
     assert_eq!(summaries[1].ratio, None, "there is nothing to compare with");
+}
+
+#[test]
+fn two_jobs_work_at_once_and_their_records_keep_the_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = folder.path().display();
+    // Each waits until the other has begun with the same scene, the first one until it has ended.
+    let wait_for = |name: &str| {
+        format!(
+            "until [ -e {told}/{name}.$i ]; do sleep 0.01; done; cp {told}/answer.npy disparity.npy;"
+        )
+    };
+    npy::write(folder.path().join("answer.npy"), &Plane::filled(4, 1, 10f32)).unwrap();
+    let engines = vec![
+        engine(
+            folder.path(),
+            "first",
+            &format!("touch {told}/first.$i; {}", wait_for("second-done")),
+        ),
+        engine(
+            folder.path(),
+            "second",
+            &format!("{} touch {told}/second-done.$i;", wait_for("first")),
+        ),
+    ];
+    let mut plan = plan(engines, 1);
+    plan.jobs = NonZeroUsize::new(2).unwrap();
+    let records = outcome(&plan).records;
+    let order: Vec<_> = records.iter().map(|r| (&r.case[..], &r.engine[..])).collect();
+    let cases = ["a/one", "b/two"];
+    assert_eq!(order, cases.map(|case| [(case, "first"), (case, "second")]).concat());
+    assert_eq!(p_bads(&records), [Some(0.0); 4]);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Arguments that several commands take, read the same way everywhere.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bytesize::ByteSize;
@@ -13,6 +14,11 @@ pub fn bounding_box(text: &str) -> Result<BoundingBox, FormatError> {
         true => formats::read_bounding_box(text),
         false => formats::parse_bounding_box(text),
     }
+}
+
+/// How many work at once.
+pub fn jobs(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "give a whole number from 1 on".into())
 }
 
 /// A count of threads.

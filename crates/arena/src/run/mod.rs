@@ -1,12 +1,17 @@
-//! Engines on scenes, one pair at a time, so that nothing disturbs the clock.
+//! Engines on scenes, one pair at a time, so that nothing disturbs the clock, or several where times
+//! matter less than the wait.
 //!
 //! Every scene is loaded once and given to one engine after the other; an engine's process lives
 //! through all scenes. What goes wrong with one engine or one scene is told and recorded, and the
 //! rest goes on.
 
+mod side_by_side;
+
 use std::io;
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 
+use self::side_by_side::{Told, run_all};
 use crate::dataset::{Case, CaseData, DatasetError};
 use crate::engine::{Answer, Definition, Limits, Pair, Programs, Status, Worker};
 use crate::record::{Machine, Record};
@@ -27,6 +32,8 @@ pub struct Plan {
     /// How often each pair is matched, at least once; the first answer that fails ends the
     /// repetition.
     pub repeats: usize,
+    /// How many engines work at once. With more than one, each disturbs the others' clocks.
+    pub jobs: NonZeroUsize,
     /// The machine, for the records.
     pub machine: Machine,
 }
@@ -71,7 +78,8 @@ pub enum Event<'a> {
 /// What a run left behind.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
-    /// One record for each scene that could be loaded and each engine that is not absent.
+    /// One record for each scene that could be loaded and each engine that is not absent, in the plan's
+    /// order.
     pub records: Vec<Record>,
     /// Scenes that could not be loaded.
     pub unreadable: usize,
@@ -101,7 +109,7 @@ pub fn run(
             workers.push(worker);
         }
     }
-    'cases: for case in &plan.cases {
+    for case in &plan.cases {
         let data = match case.load() {
             Ok(data) => data,
             Err(error) => {
@@ -112,21 +120,20 @@ pub fn run(
                 }
             }
         };
-        for worker in &mut workers {
-            if observe(Event::Begins { case, engine: worker.definition() }).is_break() {
-                break 'cases;
+        let first = outcome.records.len();
+        let told = run_all(plan, case, &data, &mut workers, |told| match told {
+            Told::Begins(engine) => observe(Event::Begins { case, engine: &engine }),
+            Told::Finished(record, answer) => {
+                let answer = answer.as_ref();
+                let told = observe(Event::Finished { case, data: &data, record: &record, answer });
+                outcome.records.push(*record);
+                told
             }
-            let (record, answer) = run_one(plan, case, &data, worker);
-            let told = observe(Event::Finished {
-                case,
-                data: &data,
-                record: &record,
-                answer: answer.as_ref(),
-            });
-            outcome.records.push(record);
-            if told.is_break() {
-                break 'cases;
-            }
+        });
+        let place = |record: &Record| plan.engines.iter().position(|e| e.name == record.engine);
+        outcome.records[first..].sort_by_key(place);
+        if told.is_break() {
+            break;
         }
     }
     workers.into_iter().for_each(Worker::end);

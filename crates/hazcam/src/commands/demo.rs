@@ -1,5 +1,6 @@
 //! `hazcam demo`: rendered scenes, every matcher, a table and pictures, without any data.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -40,5 +41,6 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let engines = args.engines.definitions(&[], None)?;
     let mut output = Output::in_folder(args.out, true)?;
     output.view = View::Regions;
-    Contest { cases, engines, reference: None, limits: None }.run(&args.engines, output, ui)
+    let jobs = NonZeroUsize::MIN;
+    Contest { cases, engines, reference: None, limits: None, jobs }.run(&args.engines, output, ui)
 }

@@ -159,6 +159,15 @@ fn a_number_of_threads_that_is_none() {
 }
 
 #[test]
+fn a_number_of_jobs_that_is_none() {
+    let folder = Folder::new();
+    for jobs in ["0", "-1", "two"] {
+        folder.refuses(&format!("bench --jobs={jobs}"), &["--jobs", "a whole number from 1 on"]);
+    }
+    folder.refuses("bench --speed --jobs=2", &["--speed", "cannot be used with", "--jobs"]);
+}
+
+#[test]
 fn memory_that_is_none_or_too_little() {
     let folder = Folder::with_pair(64, 40);
     for memory in ["much", "-1MB", "5apples"] {

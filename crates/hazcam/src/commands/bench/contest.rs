@@ -1,5 +1,6 @@
 //! Engines against each other on the same scenes, with progress, and what comes of it.
 
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
@@ -25,6 +26,8 @@ pub struct Contest {
     pub reference: Option<String>,
     /// Figures that must not be exceeded.
     pub limits: Option<Limits>,
+    /// How many engines work at once.
+    pub jobs: NonZeroUsize,
 }
 
 impl Contest {
@@ -46,6 +49,7 @@ impl Contest {
             limits: engines.limits(),
             threads: engines.threads,
             repeats: engines.repeats(1),
+            jobs: self.jobs,
             machine: this_machine(),
         };
         let Outcome { records, unreadable, .. } = conduct(&plan, &mut output, ui)?;

@@ -17,12 +17,14 @@ pub mod scenes;
 pub mod speed;
 pub mod tables;
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use arena::dataset::Purpose;
 use arena::report::Format;
 
+use crate::arguments;
 use crate::ui::Ui;
 use contest::Contest;
 use engines::EngineArguments;
@@ -56,7 +58,7 @@ Examples:
   hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml
   hazcam bench --speed --threads 2 --record benchmarks/speed.json --into README.md
   hazcam bench --speed --sweep --matcher fast
-  hazcam bench --ablation --matcher balanced --scenes 'middlebury*'")]
+  hazcam bench --ablation --matcher balanced --scenes 'middlebury*' --jobs 2")]
 pub struct Args {
     #[command(flatten)]
     scenes: SceneArguments,
@@ -77,6 +79,11 @@ pub struct Args {
     /// [fast."course/cones"] and lines like p_bad = 0.083
     #[arg(long, value_name = "FILE", help_heading = "Matchers")]
     limits: Option<PathBuf>,
+
+    /// How many matchers work at once; with more than one, times are longer than they are alone
+    #[arg(long, value_name = "N", default_value = "1", help_heading = "Matchers")]
+    #[arg(value_parser = arguments::jobs, conflicts_with = "speed")]
+    jobs: NonZeroUsize,
 
     #[command(flatten)]
     speed: SpeedArguments,
@@ -129,6 +136,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         },
         reference: args.reference,
         limits: args.limits.as_deref().map(Limits::read).transpose()?,
+        jobs: args.jobs,
     };
     let marker = if args.ablation { "ablation" } else { "results" };
     let page = args.into.map(|path| Page::open(path, marker)).transpose()?;
