@@ -32,13 +32,13 @@ struct Arguments {
     #[arg(long, num_args = 0..)]
     without: Vec<String>,
     /// About how many pixels of a pair.
-    #[arg(long, default_value_t = 9000)]
+    #[arg(long, default_value_t = 18000)]
     pixels: usize,
     /// How often each tuning scene is strained.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 2)]
     strained: u64,
     /// Rendered scenes of each kind.
-    #[arg(long, default_value_t = 4)]
+    #[arg(long, default_value_t = 8)]
     rendered: u64,
     /// Where the samples go.
     #[arg(long)]
@@ -55,7 +55,8 @@ type Failure = Box<dyn Error + Send + Sync>;
 /// A rendered pair, under circumstances that come by chance.
 fn rendered(kind: Kind, seed: u64, random: &mut Random) -> Result<CaseData, Failure> {
     let mut settings = Settings::new(kind, seed);
-    settings.noise = random.pick(&[0.5, 1.0, 2.0, 5.0]);
+    settings.noise = random.pick(&[0.5, 1.0, 2.0, 5.0, 20.0]);
+    settings.vertical_offset = random.pick(&[0.0, 0.0, 0.5, 1.0, 2.0]);
     settings.contrast = random.between(0.2, 1.0);
     settings.exposure = random.pick(&[1.0, 1.0, 1.0, 4.0, 16.0]);
     settings.right_exposure = random.between(0.8, 1.2);

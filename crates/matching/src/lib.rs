@@ -32,6 +32,8 @@
 //! ```
 
 mod aggregation;
+#[cfg(test)]
+mod chance;
 mod cost;
 mod error;
 mod ingredient;

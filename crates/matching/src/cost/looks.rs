@@ -177,12 +177,11 @@ at_every_level! {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
 
-    fn noise(columns: usize, rows: usize, mut state: u32) -> Plane<u8> {
-        Plane::from_fn(columns, rows, |_, _| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 24) as u8
-        })
+    fn noise(columns: usize, rows: usize, seed: u32) -> Plane<u8> {
+        let mut chance = Chance(seed);
+        Plane::from_fn(columns, rows, |_, _| chance.bits(8) as u8)
     }
 
     #[test]

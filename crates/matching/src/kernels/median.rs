@@ -153,6 +153,7 @@ fn drop_extremes<T: PartialOrd + Copy, const N: usize>(numbers: &mut [T; N]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
     use crate::kernels::level::Level;
 
     #[test]
@@ -179,12 +180,9 @@ mod tests {
         for level in Level::available() {
             eprintln!("level {}", level.name());
             for columns in [1, 2, 3, 63, 64, 65, 66, 67, 200] {
-                let mut state = columns as u32;
+                let mut chance = Chance(columns as u32);
                 let rows: [Vec<u16>; 5] = std::array::from_fn(|_| {
-                    let next = |_| {
-                        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                        (state >> 16) as u16
-                    };
+                    let next = |_| chance.bits(16) as u16;
                     (0..columns).map(next).collect()
                 });
                 let mut found = vec![0; columns];

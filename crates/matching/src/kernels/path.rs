@@ -213,8 +213,25 @@ at_every_level! {
         let [even, odd] = along.states.each_mut().map(|s| &mut s[..]);
         even[MARGIN..MARGIN + count].fill(0);
         let mut along_least = 0u8;
-        let [after0, after1, after2] = after.states.each_mut().map(|s| &mut s[..]);
-        for step_at in 0..columns {
+        // Cut before the loop, so that within it little is left to check.
+        let p2 = transitions.p2.each_ref().map(|p2| &p2[..columns]);
+        let rise = transitions.rise.each_ref().map(|rise| &rise[..columns]);
+        let before_least = before.least.each_ref().map(|least| &least[..columns + 2]);
+        let after_least = after.least.each_mut().map(|least| &mut least[1..=columns]);
+        // The column of a step is one further on in the states; paths come from one before to one
+        // after.
+        let [before0, before1, before2] = &before.states;
+        let from = before0
+            .chunks_exact(stride)
+            .zip(before1[stride..].chunks_exact(stride))
+            .zip(before2[2 * stride..].chunks_exact(stride));
+        let [after0, after1, after2] = &mut after.states;
+        let to = after0[stride..]
+            .chunks_exact_mut(stride)
+            .zip(after1[stride..].chunks_exact_mut(stride))
+            .zip(after2[stride..].chunks_exact_mut(stride));
+        let steps = (0..columns).zip(from).zip(to);
+        for ((step_at, ((from0, from1), from2)), ((to0, to1), to2)) in steps {
             let x = if REVERSE { columns - 1 - step_at } else { step_at };
             let (old, new) =
                 if step_at % 2 == 0 { (&*even, &mut *odd) } else { (&*odd, &mut *even) };
@@ -229,22 +246,19 @@ at_every_level! {
                 if !RISE {
                     return MARGIN;
                 }
-                let rise = transitions.rise[named(path)][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
+                let rise = rise[named(path)][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
                 (MARGIN as isize - isize::from(rise)) as usize
             });
-            // The column of this step is column `step_at + 1` of the states.
-            let from = |path: usize| &before.states[path][(step_at + path) * stride..][..stride];
-            let from0 = Around::new(from(0), first[0], lanes);
-            let from1 = Around::new(from(1), first[1], lanes);
-            let from2 = Around::new(from(2), first[2], lanes);
+            let from0 = Around::new(from0, first[0], lanes);
+            let from1 = Around::new(from1, first[1], lanes);
+            let from2 = Around::new(from2, first[2], lanes);
             let from3 = Around::new(old, first[3], lanes);
-            let least: [u8; 3] = std::array::from_fn(|path| before.least[path][step_at + path]);
-            let to = (step_at + 1) * stride + MARGIN;
-            let to0 = &mut after0[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
-            let to1 = &mut after1[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
-            let to2 = &mut after2[to..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let least: [u8; 3] = std::array::from_fn(|path| before_least[path][step_at + path]);
+            let to0 = &mut to0[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let to1 = &mut to1[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];
+            let to2 = &mut to2[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];
             let to3 = &mut new[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];
-            let p2: [u8; 4] = std::array::from_fn(|path| transitions.p2[named(path)][x]);
+            let p2: [u8; 4] = std::array::from_fn(|path| p2[named(path)][x]);
             let mut lowest = [[255u8; LANES]; 4];
             for group in 0..lanes {
                 let c = &cost[group];
@@ -279,7 +293,7 @@ at_every_level! {
                 }
             }
             for path in 0..3 {
-                after.least[path][step_at + 1] = least_of(&lowest[path]);
+                after_least[path][step_at] = least_of(&lowest[path]);
             }
             along_least = least_of(&lowest[3]);
         }
@@ -289,6 +303,7 @@ at_every_level! {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
     use crate::kernels::level::Level;
 
     /// The recurrence as the paper writes it, in whole numbers, for one path.
@@ -312,11 +327,8 @@ mod tests {
     #[test]
     fn four_paths_are_the_papers_recurrence_at_every_level() {
         let (columns, rows, count, p1) = (13, 5, 64, 7u8);
-        let mut state = 1u32;
-        let mut random = |n: u32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            ((state >> 16) % n) as u8
-        };
+        let mut chance = Chance(1);
+        let mut random = |n: u32| chance.below(n) as u8;
         let costs: Vec<u8> = (0..columns * rows * count).map(|_| random(80)).collect();
         let mut transitions = RowTransitions::default();
         for (p2, rise) in transitions.p2.iter_mut().zip(&mut transitions.rise) {

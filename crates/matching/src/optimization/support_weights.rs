@@ -282,6 +282,7 @@ at_every_level! {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
     use crate::optimization::support_window::SHADE;
 
     /// A bright board at disparity 8 before a dark wall at 2, both textured.
@@ -377,11 +378,8 @@ mod tests {
     #[test]
     fn refined_maps_are_those_of_the_definition_at_every_level() {
         let (left, right, truth) = scene();
-        let mut state = 1u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32
-        };
+        let mut chance = Chance(1);
+        let mut random = || chance.share();
         // Edges moved to and fro, slanted and rough; a map within the image, then all of it.
         for (first, columns, least, most) in [(7, 48, 0, 15), (0, 60, -4, 9), (3, 20, 8, 8)] {
             let values = Plane::from_fn(columns, 30, |x, y| {

@@ -3,6 +3,7 @@
 mod fast;
 mod memory;
 mod semi_global;
+mod view;
 
 use raster::DisparityMap;
 

@@ -10,6 +10,7 @@ use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
 use super::memory::Needs;
+use super::view::{Search, View, in_steps};
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::looks::Looks;
@@ -17,34 +18,26 @@ use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
-use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
-use crate::optimization::support_weights::{Pair, SupportWeights};
+use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Lesson};
-use crate::refinement::groups::Groups;
-use crate::refinement::median::median_of_map;
 use crate::refinement::plane_fill::fill;
 use crate::refinement::slopes::Slopes;
 use crate::selection::both_views::Selection;
-use crate::selection::cross_check::{ViewMap, cross_check, disagreements};
-use crate::selection::fixed_point::{FixedPoint, row_in_pixels, row_in_steps};
+use crate::selection::cross_check::disagreements;
+use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
 /// What changes of disparity cost, where the paths run once and where they run again. A penalty that
 /// falls faster is better on clean pairs and worse on noisy ones, whose noise steps too.
 const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 25, fall: 96 };
-const PENALTIES_AGAIN: Penalties = Penalties { p1: 17, p2: 75, p2_least: 20, fall: 171 };
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
-/// Smaller groups of equal disparity are speckles.
-const LEAST_GROUP: usize = 60;
-/// Neighbours of one group differ by at most this.
-const GROUP_STEP: f32 = 1.0;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
@@ -56,33 +49,6 @@ const FILLED: f32 = 0.05;
 const PATHS: &str = "costs, eight paths, winners";
 const CHECK: &str = "check, speckles";
 const FILL: &str = "fill";
-
-/// What every stage needs to know.
-#[derive(Clone, Copy)]
-struct Search {
-    ingredients: Ingredients,
-    level: Level,
-    /// The part of the left image that is matched.
-    work: BoundingBox,
-    bands: Bands,
-    /// Columns of both images.
-    width: usize,
-    /// Disparities that are tried anywhere.
-    range: DisparityRange,
-    numbers: FixedPoint,
-}
-
-/// One view with everything that is done to it.
-#[derive(Default)]
-struct View {
-    map: ViewMap,
-    filled: Plane<f32>,
-    smooth: Plane<f32>,
-    looks: Looks,
-    groups: Groups,
-    /// The map in fixed point.
-    steps: Plane<u16>,
-}
 
 /// The stages and their memory.
 pub(crate) struct SemiGlobalMatching {
@@ -162,19 +128,6 @@ fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) -> Work {
     Work::bytes(view.bytes(rows) + columns * rows)
 }
 
-/// A map in fixed point.
-fn in_steps(
-    level: Level,
-    numbers: FixedPoint,
-    values: &Plane<f32>,
-    steps: &mut Plane<u16>,
-) -> Work {
-    steps.reset(values.columns(), values.rows(), 0);
-    let rows = steps.samples_mut().par_chunks_mut(values.columns()).enumerate();
-    rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
-    Work::bytes(size_of_val(values.samples()) + size_of_val(steps.samples()))
-}
-
 /// The part of the image that is matched to answer a box.
 fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> BoundingBox {
     BoundingBox {
@@ -182,74 +135,6 @@ fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> Boundin
         y0: bounds.y0.saturating_sub(SURROUNDINGS),
         x1: (bounds.x1 + SURROUNDINGS).min(columns - 1),
         y1: (bounds.y1 + SURROUNDINGS).min(rows - 1),
-    }
-}
-
-impl View {
-    fn begin(&mut self, first: usize, columns: usize, rows: usize) {
-        self.map.first = first;
-        self.map.values.reset(columns, rows, f32::NAN);
-    }
-
-    /// Takes out what the other view does not confirm, and small groups.
-    fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) -> Work {
-        let Search { ingredients, level, numbers, width, .. } = search;
-        let checked = if ingredients.has(Ingredient::LeftRightCheck) {
-            cross_check(width, &mut self.map, other, other_first)
-        } else {
-            self.accept()
-        };
-        if !ingredients.has(Ingredient::SpeckleFilter) {
-            return checked;
-        }
-        let ViewMap { values, reasons, .. } = &mut self.map;
-        let (columns, rows) = values.size();
-        let written = in_steps(level, numbers, values, &mut self.steps);
-        let step = numbers.steps(GROUP_STEP);
-        let height = rows.div_ceil(rayon::current_num_threads());
-        let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
-        for y in 0..rows {
-            for (run, size) in self.groups.runs(y) {
-                if size < LEAST_GROUP {
-                    values.row_mut(y)[run.clone()].fill(f32::NAN);
-                    reasons.row_mut(y)[run].fill(Reason::MismatchedHole);
-                }
-            }
-        }
-        checked + written + grouped + self.groups.looked_at()
-    }
-
-    /// Takes every disparity for a match.
-    fn accept(&mut self) -> Work {
-        let ViewMap { values, reasons, .. } = &mut self.map;
-        reasons.reset(values.columns(), values.rows(), Reason::OccludedHole);
-        for (value, reason) in values.samples().iter().zip(reasons.samples_mut()) {
-            *reason = if value.is_nan() { Reason::OccludedHole } else { Reason::Matched };
-        }
-        Work::bytes(size_of_val(values.samples()) + size_of_val(reasons.samples()))
-    }
-
-    /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    fn refine(
-        &mut self,
-        search: Search,
-        other: &Looks,
-        slopes: &mut Slopes,
-        weights: &mut SupportWeights,
-    ) -> Work {
-        let Search { ingredients, level, width, range, .. } = search;
-        let filled = fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
-        let smoothed = median_of_map(level, &self.filled, &mut self.smooth);
-        let pair = Pair {
-            base: &self.looks,
-            other,
-            first: self.map.first,
-            least: range.min(),
-            most: range.max(),
-        };
-        let sloped = slopes.compute(level, &self.smooth);
-        let refined = weights.refine(level, &pair, &self.smooth, slopes, &mut self.map.values);
-        filled + smoothed + sloped + refined
     }
 }
 
@@ -267,7 +152,6 @@ impl SemiGlobalMatching {
         let doubtful =
             (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
         let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
-            true if ingredients.has(Ingredient::SurfacePrior) => PENALTIES_AGAIN,
             true => PENALTIES,
             false => Penalties { fall: 0, ..PENALTIES },
         };
@@ -433,7 +317,7 @@ impl SemiGlobalMatching {
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
     fn trust_agreement(&self, width: usize, confidence: &mut [f32]) {
         let (left, right) = (&self.left.map, &self.right.map);
-        disagreements(width, left, &right.values, right.first, confidence);
+        disagreements(self.level, width, left, &right.values, right.first, confidence);
         for confidence in confidence {
             *confidence = if confidence.is_nan() { 0.0 } else { 1.0 / (1.0 + *confidence) };
         }

@@ -281,6 +281,7 @@ fn pack(flags: &[u8; WORD]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
 
     /// Group sizes by flooding from every pixel; 0 in holes.
     fn sizes_by_flooding(map: &[u16], columns: usize, step: u16) -> Vec<usize> {
@@ -319,11 +320,10 @@ mod tests {
             eprintln!("level {}", level.name());
             for (columns, rows) in [(1, 1), (1, 30), (64, 9), (65, 9), (131, 14), (200, 6)] {
                 for holes in [1u16, 3, 9] {
-                    let mut state = (columns * rows) as u32 + u32::from(holes);
+                    let mut chance = Chance((columns * rows) as u32 + u32::from(holes));
                     let map: Vec<u16> = (0..columns * rows)
                         .map(|_| {
-                            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                            let value = (state >> 24) as u16;
+                            let value = chance.bits(8) as u16;
                             if value % 10 < holes { HOLE } else { 100 * (value / 64) + value % 32 }
                         })
                         .collect();

@@ -15,7 +15,7 @@ use std::ops::Range;
 use raster::{DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
-use super::plane_fit::Surface;
+use super::plane_fit::{self, COARSE, Surface};
 use super::row_fill::{copy_nearest_rows, filled};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
@@ -89,7 +89,7 @@ impl Hole {
             if end.value - reach > highest {
                 break;
             }
-            let slope = Surface::fit(level, values, end.column, y).along;
+            let slope = Surface::fit::<COARSE>(level, values, end.column, y).along;
             end.slope = slope.clamp(-STEEPEST, STEEPEST);
             highest = end.value + end.slope.abs() * self.columns.len() as f32;
             fits += 1;
@@ -172,7 +172,8 @@ pub(crate) fn fill(
             *reason = filled(width, x, value, *reason);
         }
     });
-    Work::bytes(2 * size_of_val(out.samples())) + Work::operations(Surface::OPERATIONS) * fits
+    Work::bytes(2 * size_of_val(out.samples()))
+        + Work::operations(plane_fit::operations(COARSE)) * fits
 }
 
 #[cfg(test)]

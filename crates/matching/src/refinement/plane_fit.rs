@@ -6,9 +6,11 @@ use raster::Plane;
 
 use crate::kernels::level::{Level, at_every_level};
 
-/// Half the window of a plane fit, in pixels, and the distance of its samples.
-const FIT_RADIUS: usize = 20;
-const FIT_STEP: usize = 2;
+/// Half the window of a plane fit, in pixels.
+const RADIUS: usize = 20;
+/// How far its samples stand apart: where the plane itself is wanted, and where its slope is enough.
+pub(crate) const FINE: usize = 2;
+pub(crate) const COARSE: usize = 3;
 /// Pulls slopes of small supports towards zero: added to the variance of the columns.
 const RIDGE: f32 = 5.0;
 /// Samples farther from the plane than this do not count, in pixels.
@@ -24,68 +26,84 @@ pub(crate) struct Surface {
     pub down: f32,
 }
 
-/// Samples per side of a window, and those that are done together.
-const SIDE: usize = 2 * FIT_RADIUS / FIT_STEP + 1;
+/// Samples that are done together.
 const LANES: usize = 8;
+/// Room for the samples of a side, and for all groups of them.
+const SIDE: usize = side(FINE);
 const PADDED: usize = SIDE.next_multiple_of(LANES);
 /// Stands for a hole: farther than any outlier.
 const HOLE: f32 = 1e9;
 
-impl Surface {
-    /// Operations on bytes per fit: four rounds, which all take but those with hardly any support, of
-    /// 29 of 32 bits for each place of the window.
-    pub const OPERATIONS: usize = 4 * 29 * 4 * SIDE * SIDE;
+/// Samples per side of a window whose samples stand so far apart.
+const fn side(step: usize) -> usize {
+    2 * (RADIUS / step) + 1
+}
 
+/// From the middle of such a window to its outermost sample, in pixels.
+const fn reach(step: usize) -> usize {
+    RADIUS / step * step
+}
+
+/// Operations on bytes per fit: four rounds, which all take but those with hardly any support, of 29 of
+/// 32 bits for each place of the window.
+pub(crate) const fn operations(step: usize) -> usize {
+    4 * 29 * 4 * side(step) * side(step)
+}
+
+impl Surface {
     /// The surface that pixel `(x, y)`, which must have a value, lies on: a plane is fitted to the
     /// disparities around it, four times, each time to those near the plane before (Tukey's
-    /// biweight). NaN values do not count.
-    pub fn fit(level: Level, values: &Plane<f32>, x: usize, y: usize) -> Self {
+    /// biweight). NaN values do not count. Every `STEP`th column and row is looked at, [`FINE`] or
+    /// [`COARSE`].
+    pub fn fit<const STEP: usize>(level: Level, values: &Plane<f32>, x: usize, y: usize) -> Self {
+        const { assert!(side(STEP) <= SIDE) };
         let (columns, rows) = values.size();
         let here = values.row(y)[x];
         // Disparities above this one's, by their place in the window.
         let mut window = [[HOLE; PADDED]; SIDE];
-        let (across, down) = (samples_inside(x, columns), samples_inside(y, rows));
-        let first = x + FIT_STEP * across.start - FIT_RADIUS;
+        let (across, down) = (samples_inside(STEP, x, columns), samples_inside(STEP, y, rows));
+        let first = x + STEP * across.start - reach(STEP);
         for j in down {
-            let row = values.row(y + FIT_STEP * j - FIT_RADIUS)[first..].iter().step_by(FIT_STEP);
+            let row = values.row(y + STEP * j - reach(STEP))[first..].iter().step_by(STEP);
             for (sample, &value) in window[j][across.clone()].iter_mut().zip(row) {
                 *sample = if value.is_nan() { HOLE } else { value - here };
             }
         }
-        let plane = fit_window(level, &window);
+        let plane = fit_window::<STEP>(level, &window);
         Self { disparity: here + plane.disparity, ..plane }
     }
 }
 
 /// The samples of a window around `at` that lie between 0 and `end`.
-fn samples_inside(at: usize, end: usize) -> Range<usize> {
-    let first = FIT_RADIUS.saturating_sub(at).div_ceil(FIT_STEP);
-    let last = (end - 1 - at + FIT_RADIUS) / FIT_STEP;
-    first..SIDE.min(last + 1)
+fn samples_inside(step: usize, at: usize, end: usize) -> Range<usize> {
+    let first = reach(step).saturating_sub(at).div_ceil(step);
+    let last = (end - 1 - at + reach(step)) / step;
+    first..side(step).min(last + 1)
 }
 
 /// From the middle of a window to its place `i`, in pixels.
 #[inline(always)]
-fn distance(i: usize) -> f32 {
-    (i * FIT_STEP) as f32 - FIT_RADIUS as f32
+fn distance(step: usize, i: usize) -> f32 {
+    (i * step) as f32 - reach(step) as f32
 }
 
 at_every_level! {
     /// The plane through a window. Sums are kept per lane, so that they are added in the same order
     /// at every level.
-    fn fit_window(window: &[[f32; PADDED]; SIDE]) -> Surface {
+    fn fit_window<const STEP: usize>(window: &[[f32; PADDED]; SIDE]) -> Surface {
+        let groups = side(STEP).div_ceil(LANES);
         let Surface { disparity: mut offset, mut along, mut down } = Surface::default();
         for round in 0..4 {
             let (outlier, growth) = if round == 0 { (OUTLIER, 0.04) } else { (0.7 * OUTLIER, 0.01) };
             // Weighted sums of 1, x, y, z and of their products.
             let [mut s, mut sx, mut sy, mut sz] = [[0.0f32; LANES]; 4];
             let [mut sxx, mut sxy, mut syy, mut sxz, mut syz] = [[0.0f32; LANES]; 5];
-            for (j, row) in window.iter().enumerate() {
-                let dy = distance(j);
+            for (j, row) in window[..side(STEP)].iter().enumerate() {
+                let dy = distance(STEP, j);
                 let (plane, widest) = (offset + down * dy, outlier + growth * dy.abs());
-                for (group, z) in row.as_chunks::<LANES>().0.iter().enumerate() {
+                for (group, z) in row.as_chunks::<LANES>().0[..groups].iter().enumerate() {
                     for i in 0..LANES {
-                        let dx = distance(group * LANES + i);
+                        let dx = distance(STEP, group * LANES + i);
                         let off = (z[i] - along * dx - plane).abs();
                         let share = off / (widest + growth * dx.abs());
                         let rest = 1.0 - share * share;
@@ -133,14 +151,23 @@ mod tests {
             _ if (x * 7 + y * 3) % 5 == 0 => f32::NAN,
             _ => plane(x, y),
         });
-        let found = Surface::fit(Level::detect(), &values, 32, 21);
+        check(Surface::fit::<FINE>, &values, plane(32, 21));
+        check(Surface::fit::<COARSE>, &values, plane(32, 21));
+    }
+
+    fn check(
+        fit: impl Fn(Level, &Plane<f32>, usize, usize) -> Surface,
+        values: &Plane<f32>,
+        expected: f32,
+    ) {
+        let found = fit(Level::detect(), values, 32, 21);
         let Surface { disparity, along, down } = found;
-        assert!((disparity - plane(32, 21)).abs() < 0.1, "{disparity}");
+        assert!((disparity - expected).abs() < 0.1, "{disparity}");
         // A ridge pulls slopes towards zero by a few percent.
         assert!((along - 0.1).abs() < 0.02 && (down + 0.2).abs() < 0.02, "{along} {down}");
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            assert_eq!(Surface::fit(level, &values, 32, 21), found);
+            assert_eq!(fit(level, values, 32, 21), found);
         }
     }
 }

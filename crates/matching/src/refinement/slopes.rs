@@ -114,15 +114,15 @@ fn slopes_at(values: &Plane<f32>, x: usize, y: usize) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
 
     #[test]
     fn slopes_are_those_of_the_definition_at_every_level() {
         for (columns, rows) in [(1, 1), (6, 12), (72, 9), (150, 14)] {
-            let mut state = columns as u32;
+            let mut chance = Chance(columns as u32);
             let values = Plane::from_fn(columns, rows, |x, y| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let step = if x > columns / 2 { 9.0 } else { 0.0 };
-                0.1 * x as f32 - 0.2 * y as f32 + (state >> 16) as f32 / 65536.0 + step
+                0.1 * x as f32 - 0.2 * y as f32 + chance.bits(16) as f32 / 65536.0 + step
             });
             for level in Level::available() {
                 eprintln!("level {}", level.name());

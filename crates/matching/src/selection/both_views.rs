@@ -4,9 +4,9 @@
 //! `m / (m + HALF_SURE)`.
 
 use crate::cost::SearchSpace;
-use crate::kernels::level::Level;
+use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
-use crate::selection::winner::{self, Winners, fraction, right_fraction};
+use crate::selection::winner::{self, Key, Winners, tip_of_v};
 
 /// A winner whose sum is so much below that of any other disparity has confidence 1/2.
 const HALF_SURE: f32 = 60.0;
@@ -42,26 +42,203 @@ impl Selection<'_> {
     pub fn row(&mut self, y: usize, sums: &[u16]) {
         let (space, row, columns) = (self.space, y - self.first, self.space.columns());
         self.winners.select(self.level, space, sums);
-        let disparity = |k: usize, part: f32| {
-            (space.min + k as i32) as f32 + if self.sub_pixel { part } else { 0.0 }
-        };
         let left = &mut self.left[row * columns..][..columns];
         let confidence = &mut self.confidence[row * space.width + space.first..][..columns];
-        let winners = self.winners.left.iter().zip(left.iter_mut().zip(confidence));
-        for (x, (&(winner, margin), (value, confidence))) in winners.enumerate() {
-            let sums = &sums[x * space.lanes..][..space.lanes];
-            let unique = winner.disparity().filter(|_| margin >= self.least_margin);
-            *value = unique.map_or(f32::NAN, |k| {
-                disparity(k, fraction(sums, k, space.candidates(space.first + x)))
-            });
-            *confidence = f32::from(margin) / (f32::from(margin) + HALF_SURE);
-        }
+        let winners = &self.winners.left;
+        let Self { level, sub_pixel, least_margin, .. } = *self;
+        left_row(level, space, sub_pixel, least_margin, sums, winners, left, confidence);
         let right = &mut self.right[row * space.width..][..space.width];
-        let winners = self.winners.right(space).zip((0..space.width).rev());
-        for ((winner, x), value) in winners.zip(right) {
-            *value = winner
-                .disparity()
-                .map_or(f32::NAN, |k| disparity(k, right_fraction(space, sums, x, k)));
+        right_row(level, space, sub_pixel, sums, self.winners.right(space), right);
+    }
+}
+
+/// So many winners are looked up one by one, then reckoned with together.
+const BLOCK: usize = 64;
+
+/// What a block of winners comes to.
+struct Found {
+    /// Disparities, counted from the smallest.
+    disparity: [u16; BLOCK],
+    is_match: [bool; BLOCK],
+    /// The sums before, at and after the winner; all zero at the ends of the range, where there is no
+    /// fraction.
+    sums: [[u16; BLOCK]; 3],
+}
+
+impl Found {
+    const NOTHING: Self =
+        Self { disparity: [0; BLOCK], is_match: [false; BLOCK], sums: [[0; BLOCK]; 3] };
+
+    /// Winner `i` is this one. Where both disparities beside it are tried, its sum is at this place and
+    /// theirs so far from it.
+    #[inline(always)]
+    fn look_up(
+        &mut self,
+        i: usize,
+        winner: Option<usize>,
+        place: Option<usize>,
+        apart: usize,
+        sums: &[u16],
+    ) {
+        self.is_match[i] = winner.is_some();
+        self.disparity[i] = winner.unwrap_or(0) as u16;
+        let [before, least, after] = match place {
+            Some(place) => [sums[place - apart], sums[place], sums[place + apart]],
+            None => [0; 3],
+        };
+        (self.sums[0][i], self.sums[1][i], self.sums[2][i]) = (before, least, after);
+    }
+
+    /// The disparities in pixels, NaN where there is none.
+    #[inline(always)]
+    fn in_pixels(&self, min: i32, sub_pixel: bool, out: &mut [f32; BLOCK]) {
+        let [before, least, after] = &self.sums;
+        for i in 0..BLOCK {
+            let tip = tip_of_v(f32::from(before[i]), f32::from(least[i]), f32::from(after[i]));
+            let whole = (min + i32::from(self.disparity[i])) as f32;
+            let value = whole + if sub_pixel { tip } else { 0.0 };
+            out[i] = if self.is_match[i] { value } else { f32::NAN };
+        }
+    }
+}
+
+at_every_level! {
+    /// The disparities of a row of the left view and their confidence. Winners with a margin below
+    /// `least_margin` are no matches.
+    fn left_row(
+        space: &SearchSpace,
+        sub_pixel: bool,
+        least_margin: u16,
+        sums: &[u16],
+        winners: &[(Key, u16)],
+        values: &mut [f32],
+        confidence: &mut [f32],
+    ) {
+        let (mut found, mut pixels, mut sure) = (Found::NOTHING, [0.0; BLOCK], [0.0; BLOCK]);
+        let blocks = values.chunks_mut(BLOCK).zip(confidence.chunks_mut(BLOCK));
+        for (block, (values, confidence)) in blocks.enumerate() {
+            let first = block * BLOCK;
+            let mut margins = [0u16; BLOCK];
+            for (i, &(winner, margin)) in winners[first..].iter().take(BLOCK).enumerate() {
+                let x = first + i;
+                let candidates = space.candidates(space.first + x);
+                let winner = winner.disparity().filter(|_| margin >= least_margin);
+                let inner = winner.filter(|k| *k > candidates.start && k + 1 < candidates.end);
+                let place = inner.map(|k| x * space.lanes + k);
+                found.look_up(i, winner, place, 1, sums);
+                margins[i] = margin;
+            }
+            found.in_pixels(space.min, sub_pixel, &mut pixels);
+            for i in 0..BLOCK {
+                sure[i] = f32::from(margins[i]) / (f32::from(margins[i]) + HALF_SURE);
+            }
+            values.copy_from_slice(&pixels[..values.len()]);
+            confidence.copy_from_slice(&sure[..confidence.len()]);
+        }
+    }
+
+    /// The disparities of a row of the right view, as it looks in a mirror.
+    fn right_row(
+        space: &SearchSpace,
+        sub_pixel: bool,
+        sums: &[u16],
+        winners: &[Key],
+        values: &mut [f32],
+    ) {
+        let (mut found, mut pixels) = (Found::NOTHING, [0.0; BLOCK]);
+        for (block, values) in values.chunks_mut(BLOCK).enumerate() {
+            let first = block * BLOCK;
+            for (i, winner) in winners[first..].iter().take(BLOCK).enumerate() {
+                let winner = winner.disparity();
+                let x = (space.width - 1 - first - i) as i64;
+                // The left column that it meets.
+                let column = x + i64::from(space.min) + winner.unwrap_or(0) as i64 - space.first as i64;
+                let inside = column > 0 && column + 1 < space.columns() as i64;
+                let inner = winner.filter(|k| inside && *k > 0 && k + 1 < space.count);
+                let place = inner.map(|k| column as usize * space.lanes + k);
+                // Its sums stand along a diagonal.
+                found.look_up(i, winner, place, space.lanes + 1, sums);
+            }
+            found.in_pixels(space.min, sub_pixel, &mut pixels);
+            values.copy_from_slice(&pixels[..values.len()]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+    use raster::{BoundingBox, DisparityRange};
+
+    /// Pixel by pixel, from the sums of three disparities.
+    fn definition(selection: &Selection<'_>, sums: &[u16]) -> [Vec<f32>; 3] {
+        let (space, winners) = (selection.space, &selection.winners);
+        let sum = |column: usize, k: usize| f32::from(sums[column * space.lanes + k]);
+        let value = |k: usize, tip: f32| {
+            (space.min + k as i32) as f32 + if selection.sub_pixel { tip } else { 0.0 }
+        };
+        let left = winners.left.iter().enumerate().map(|(x, &(winner, margin))| {
+            let candidates = space.candidates(space.first + x);
+            let Some(k) = winner.disparity().filter(|_| margin >= selection.least_margin) else {
+                return f32::NAN;
+            };
+            let inner = k > candidates.start && k + 1 < candidates.end;
+            value(k, if inner { tip_of_v(sum(x, k - 1), sum(x, k), sum(x, k + 1)) } else { 0.0 })
+        });
+        let confidence =
+            winners.left.iter().map(|&(_, margin)| f32::from(margin) / (f32::from(margin) + 60.0));
+        let right = winners.right(space).iter().zip((0..space.width).rev()).map(|(winner, x)| {
+            let Some(k) = winner.disparity() else { return f32::NAN };
+            let column = (x as i64 + i64::from(space.min) + k as i64) as usize - space.first;
+            let inner = (1..space.columns() - 1).contains(&column) && k > 0 && k + 1 < space.count;
+            let tip = || tip_of_v(sum(column - 1, k - 1), sum(column, k), sum(column + 1, k + 1));
+            value(k, if inner { tip() } else { 0.0 })
+        });
+        [left.collect(), right.collect(), confidence.collect()]
+    }
+
+    #[test]
+    fn both_views_are_the_definitions_at_every_level() {
+        let mut chance = Chance(5);
+        let mut random = |n: u32| chance.below(n) as u16;
+        for (width, columns, range) in [
+            (150, (0, 149), (0, 36)),
+            (90, (7, 81), (-9, 30)),
+            (20, (3, 12), (8, 60)),
+            (9, (0, 8), (2, 2)),
+        ] {
+            let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
+            let range = DisparityRange::new(range.0, range.1).unwrap();
+            let space = SearchSpace::new(width, bounds, range);
+            let sums: Vec<u16> = (0..space.columns() * space.lanes).map(|_| random(400)).collect();
+            for (level, sub_pixel) in
+                Level::available().into_iter().flat_map(|l| [(l, true), (l, false)])
+            {
+                eprintln!("level {}", level.name());
+                let mut winners = Winners::default();
+                let (mut left, mut right) = (vec![9.0; space.columns()], vec![9.0; width]);
+                let mut confidence = vec![9.0; width];
+                let mut selection = Selection {
+                    level,
+                    space: &space,
+                    sub_pixel,
+                    least_margin: 2,
+                    first: 5,
+                    left: &mut left,
+                    right: &mut right,
+                    confidence: &mut confidence,
+                    winners: &mut winners,
+                };
+                selection.row(5, &sums);
+                let expected = definition(&selection, &sums);
+                let sure = confidence[space.first..][..space.columns()].to_vec();
+                for (found, expected) in [left, right, sure].iter().zip(&expected) {
+                    let bits =
+                        |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                    assert_eq!(bits(found), bits(expected), "{space:?}");
+                }
+            }
         }
     }
 }

@@ -12,6 +12,7 @@
 use raster::{Plane, Reason};
 use rayon::prelude::*;
 
+use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
 /// How far the two views may disagree, in pixels.
@@ -30,6 +31,7 @@ pub(crate) struct ViewMap {
 /// not. `width` is that of both images. Both views are read, and reasons written; each pixel of either
 /// takes at least three subtractions and a comparison of 32 bits.
 pub(crate) fn cross_check(
+    level: Level,
     width: usize,
     view: &mut ViewMap,
     other: &Plane<f32>,
@@ -37,72 +39,155 @@ pub(crate) fn cross_check(
 ) -> Work {
     let (columns, rows) = view.values.size();
     view.reasons.reset(columns, rows, Reason::OccludedHole);
-    let first = view.first as f32;
-    // A column of one view, seen from the other, which stands in the mirror.
-    let mirrored = (width - 1) as f32;
+    let first = view.first;
     let rows = view.values.samples_mut().par_chunks_mut(columns);
-    rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate().for_each(
-        |(y, (values, reasons))| {
-            let other = other.row(y);
-            for (u, &d) in other.iter().enumerate() {
-                // The column that this one points at, and one to each side.
-                let target = mirrored - ((u + other_first) as f32 - d) - first;
-                if target >= 0.0 && target <= (columns - 1) as f32 {
-                    let target = (target + 0.5) as i32 as usize;
-                    for near in [target.saturating_sub(1), target, (target + 1).min(columns - 1)] {
-                        reasons[near] = Reason::MismatchedHole;
-                    }
-                }
-            }
-            for (x, (value, reason)) in values.iter_mut().zip(reasons).enumerate() {
-                let column = first + x as f32;
-                if disagreement(mirrored, column, *value, other, other_first) <= TOLERANCE {
-                    *reason = Reason::Matched;
-                } else {
-                    *value = f32::NAN;
-                }
-            }
-        },
-    );
+    let rows = rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate();
+    rows.for_each(|(y, (values, reasons))| {
+        check_row(level, width, (values, first), (other.row(y), other_first), reasons);
+    });
     let ViewMap { values, reasons, .. } = view;
     let (values, other) = (values.samples(), other.samples());
     let bytes = size_of_val(values) + size_of_val(other) + size_of_val(reasons.samples());
     Work::bytes(bytes) + Work::operations(4 * 4) * (values.len() + other.len())
 }
 
+/// So many pixels are looked up one by one, what they point at is reckoned together.
+const BLOCK: usize = 64;
+/// Stands for a pixel that points at nothing.
+const NOWHERE: u32 = u32::MAX;
+
+at_every_level! {
+    /// Checks a row, of which `reasons` say that all of it is occluded. Rows come with the column at
+    /// which they begin.
+    fn check_row(
+        width: usize,
+        view: (&mut [f32], usize),
+        other: (&[f32], usize),
+        reasons: &mut [Reason],
+    ) {
+        let ((values, first), (other, other_first)) = (view, other);
+        let columns = values.len();
+        let mut block = [f32::NAN; BLOCK];
+        for (i, other) in other.chunks(BLOCK).enumerate() {
+            block[..other.len()].copy_from_slice(other);
+            let inside = (0.0f32.next_down(), ((columns - 1) as f32).next_up());
+            let targets = targets(width, &block, other_first + i * BLOCK, first, inside);
+            for &target in &targets[..other.len()] {
+                if target != NOWHERE {
+                    reasons[target as usize] = Reason::MismatchedHole;
+                }
+            }
+        }
+        // Beside what is pointed at too.
+        let mut before = Reason::OccludedHole;
+        for x in 0..columns {
+            let here = reasons[x];
+            let after = reasons.get(x + 1).copied().unwrap_or(Reason::OccludedHole);
+            let is_seen = [before, here, after].contains(&Reason::MismatchedHole);
+            reasons[x] = if is_seen { Reason::MismatchedHole } else { Reason::OccludedHole };
+            before = here;
+        }
+        let rows = values.chunks_mut(BLOCK).zip(reasons.chunks_mut(BLOCK));
+        for (i, (values, reasons)) in rows.enumerate() {
+            block[..values.len()].copy_from_slice(values);
+            let off = disagreements_of_block(width, &block, first + i * BLOCK, other, other_first);
+            for x in 0..values.len() {
+                let is_match = off[x] <= TOLERANCE;
+                reasons[x] = if is_match { Reason::Matched } else { reasons[x] };
+                values[x] = if is_match { block[x] } else { f32::NAN };
+            }
+        }
+    }
+
+    /// By how much the two views differ in a row.
+    fn disagreements_of_row(
+        width: usize,
+        view: (&[f32], usize),
+        other: (&[f32], usize),
+        out: &mut [f32],
+    ) {
+        let ((values, first), (other, other_first)) = (view, other);
+        let mut block = [f32::NAN; BLOCK];
+        let rows = values.chunks(BLOCK).zip(out.chunks_mut(BLOCK));
+        for (i, (values, out)) in rows.enumerate() {
+            block[..values.len()].copy_from_slice(values);
+            let off = disagreements_of_block(width, &block, first + i * BLOCK, other, other_first);
+            out.copy_from_slice(&off[..out.len()]);
+        }
+    }
+}
+
+/// By how much disparities differ from what the other view says where they point; NaN where either has
+/// none.
+#[inline(always)]
+fn disagreements_of_block(
+    width: usize,
+    disparities: &[f32; BLOCK],
+    first: usize,
+    other: &[f32],
+    other_first: usize,
+) -> [f32; BLOCK] {
+    let inside = (-0.5, other.len() as f32 - 0.5);
+    let targets = targets(width, disparities, first, other_first, inside);
+    let mut off = [f32::NAN; BLOCK];
+    for (off, &target) in off.iter_mut().zip(&targets) {
+        *off = other.get(target as usize).copied().unwrap_or(f32::NAN);
+    }
+    for i in 0..BLOCK {
+        off[i] = (off[i] - disparities[i]).abs();
+    }
+    off
+}
+
+/// The places in the other view, which begins at column `other_first`, that the disparities of the
+/// columns from `first` on point at, if these lie between two bounds.
+#[inline(always)]
+fn targets(
+    width: usize,
+    disparities: &[f32; BLOCK],
+    first: usize,
+    other_first: usize,
+    (above, below): (f32, f32),
+) -> [u32; BLOCK] {
+    let (mirrored, other_first) = ((width - 1) as f32, other_first as f32);
+    let mut targets = [NOWHERE; BLOCK];
+    for i in 0..BLOCK {
+        let target = mirrored - ((first + i) as f32 - disparities[i]) - other_first;
+        let inside = (target > above) & (target < below);
+        // To the nearest: nothing here is below -0.5.
+        targets[i] = if inside { (target + 0.5) as i32 as u32 } else { NOWHERE };
+    }
+    targets
+}
+
 /// By how much the two views differ in every pixel of `view`; NaN where either has no disparity. `out`
 /// has rows of the image, from the first row of `view` on.
 pub(crate) fn disagreements(
+    level: Level,
     width: usize,
     view: &ViewMap,
     other: &Plane<f32>,
     other_first: usize,
     out: &mut [f32],
 ) {
-    let mirrored = (width - 1) as f32;
-    let rows = out.par_chunks_mut(width).take(view.values.rows());
+    let ViewMap { first, values, .. } = view;
+    let rows = out.par_chunks_mut(width).take(values.rows());
     rows.enumerate().for_each(|(y, out)| {
-        let columns = (view.first..).map(|column| column as f32);
-        for ((column, &value), out) in columns.zip(view.values.row(y)).zip(&mut out[view.first..]) {
-            *out = disagreement(mirrored, column, value, other.row(y), other_first);
-        }
+        let out = &mut out[*first..][..values.columns()];
+        disagreements_of_row(
+            level,
+            width,
+            (values.row(y), *first),
+            (other.row(y), other_first),
+            out,
+        );
     });
-}
-
-/// By how much `value`, in this column of one view, differs from what the other says where it points.
-fn disagreement(mirrored: f32, column: f32, value: f32, other: &[f32], other_first: usize) -> f32 {
-    let target = mirrored - (column - value) - other_first as f32;
-    if target > -0.5 && target < other.len() as f32 - 0.5 {
-        // To the nearest: nothing here is below -0.5.
-        (other[(target + 0.5) as i32 as usize] - value).abs()
-    } else {
-        f32::NAN
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
 
     #[test]
     fn confirmed_mismatched_and_occluded_are_told_apart() {
@@ -114,11 +199,93 @@ mod tests {
         let values = Plane::new(8, 1, vec![0.0, 0.4, NONE, 3.0, 2.0, 5.0, 1.0, 4.0]).unwrap();
         let reasons = Plane::filled(8, 1, Reason::OutsideBox);
         let mut view = ViewMap { first: 0, values, reasons };
-        cross_check(8, &mut view, &mirror, 0);
+        cross_check(Level::detect(), 8, &mut view, &mirror, 0);
         use Reason::{Matched as M, MismatchedHole as X, OccludedHole as O};
         // Left 2 and 4 stand beside what is pointed at; left 5 lands on right 0, which says 3.
         assert_eq!(view.reasons.row(0), [X, M, X, M, X, O, X, X]);
         assert_eq!(view.values.row(0)[1], 0.4);
         assert!(view.values.row(0)[7].is_nan());
+    }
+
+    /// By how much `value`, in this column of one view, differs from what the other says where it points.
+    fn disagreement(
+        mirrored: f32,
+        column: f32,
+        value: f32,
+        other: &[f32],
+        other_first: usize,
+    ) -> f32 {
+        let target = mirrored - (column - value) - other_first as f32;
+        if target > -0.5 && target < other.len() as f32 - 0.5 {
+            (other[(target + 0.5) as usize] - value).abs()
+        } else {
+            f32::NAN
+        }
+    }
+
+    /// The check as it is described, pixel by pixel.
+    fn definition(
+        width: usize,
+        view: &ViewMap,
+        other: &[f32],
+        other_first: usize,
+    ) -> Vec<(Reason, u32)> {
+        let values = view.values.row(0);
+        let mirrored = (width - 1) as f32;
+        let mut seen = vec![false; values.len()];
+        for (u, d) in other.iter().enumerate() {
+            let target = mirrored - ((u + other_first) as f32 - d) - view.first as f32;
+            if (0.0..=(values.len() - 1) as f32).contains(&target) {
+                let target = (target + 0.5) as usize;
+                seen[target.saturating_sub(1)..(target + 2).min(values.len())].fill(true);
+            }
+        }
+        let check = |(x, &value): (usize, &f32)| {
+            let column = (view.first + x) as f32;
+            let off = disagreement(mirrored, column, value, other, other_first);
+            match (off <= TOLERANCE, seen[x]) {
+                (true, _) => (Reason::Matched, value.to_bits()),
+                (false, true) => (Reason::MismatchedHole, f32::NAN.to_bits()),
+                (false, false) => (Reason::OccludedHole, f32::NAN.to_bits()),
+            }
+        };
+        values.iter().enumerate().map(check).collect()
+    }
+
+    #[test]
+    fn rows_are_the_definitions_at_every_level() {
+        let mut chance = Chance(5);
+        let mut random = |n: u32| chance.below(n);
+        for (width, first, columns) in [(200, 0, 200), (150, 20, 100), (9, 3, 2)] {
+            // Halves, so that some point at the very middle between two.
+            let mut row = |columns: usize| -> Vec<f32> {
+                let value = |n: u32| if n < 6 { f32::NAN } else { n as f32 / 2.0 - 4.0 };
+                (0..columns).map(|_| value(random(30))).collect()
+            };
+            let (values, other) = (row(columns), row(width));
+            let values = Plane::new(columns, 1, values).unwrap();
+            let reasons = values.map(|_| Reason::OutsideBox);
+            let view = ViewMap { first, values, reasons };
+            let expected = definition(width, &view, &other, 0);
+            let other = Plane::new(width, 1, other).unwrap();
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                let mut off = vec![9.0; width];
+                disagreements(level, width, &view, &other, 0, &mut off);
+                for (x, (&off, &value)) in off[first..].iter().zip(view.values.row(0)).enumerate() {
+                    let column = (first + x) as f32;
+                    let by = disagreement((width - 1) as f32, column, value, other.row(0), 0);
+                    assert!(
+                        off == by || off.is_nan() && by.is_nan(),
+                        "column {column}: {off}, {by}"
+                    );
+                }
+                let mut view = view.clone();
+                cross_check(level, width, &mut view, &other, 0);
+                let values = view.values.samples().iter().map(|value| value.to_bits());
+                let found: Vec<_> = view.reasons.samples().iter().copied().zip(values).collect();
+                assert!(found == expected, "{width} columns, from {first} on {columns}");
+            }
+        }
     }
 }

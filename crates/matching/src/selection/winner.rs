@@ -4,10 +4,6 @@
 //! Right: `k'(x') = argmin_k C(x' + min + k, k)`: the same costs read along their diagonal, so the
 //! second view costs no second matching (Fua 1993; Muehlmann et al. 2002). Of equal costs the
 //! smallest disparity wins, in both views.
-//!
-//! The fraction of a pixel comes from the V-shape ("equiangular") that absolute differences have
-//! around their minimum (Shimizu & Okutomi 2001): with `a, c, b` the costs before, at and after it,
-//! `(a - b) / (2 (max(a, b) - c))`, between -1/2 and 1/2.
 
 use std::ops::Range;
 
@@ -44,7 +40,7 @@ pub(crate) struct Winners {
     /// disparity but its neighbours; 0 without any other.
     pub left: Vec<(Key, u16)>,
     /// Keys of the right view, as it looks in a mirror, between two margins.
-    right: Vec<u32>,
+    right: Vec<Key>,
 }
 
 impl Winners {
@@ -53,13 +49,13 @@ impl Winners {
         self.left.clear();
         self.left.resize(space.columns(), (Key::NONE, 0));
         self.right.clear();
-        self.right.resize(space.width + 2 * space.lanes, u32::MAX);
+        self.right.resize(space.width + 2 * space.lanes, Key::NONE);
         select_row(level, space, sums, &mut self.left, &mut self.right);
     }
 
     /// The winners of the right view, which stands in a mirror.
-    pub fn right<'a>(&'a self, space: &SearchSpace) -> impl Iterator<Item = Key> + use<'a> {
-        self.right[space.lanes..][..space.width].iter().map(|&key| Key(key))
+    pub fn right(&self, space: &SearchSpace) -> &[Key] {
+        &self.right[space.lanes..][..space.width]
     }
 }
 
@@ -69,7 +65,7 @@ impl Winners {
 fn select_column<const ALL: bool>(
     candidates: Range<usize>,
     sums: &[u16],
-    right: &mut [u32],
+    right: &mut [Key],
 ) -> (Key, u16) {
     let (start, count) = (candidates.start as u32, candidates.len() as u32);
     let mut lowest = [u32::MAX; LANES];
@@ -80,7 +76,7 @@ fn select_column<const ALL: bool>(
             let key = u32::from(sums[i]) << 16 | k;
             let key = if ALL || k.wrapping_sub(start) < count { key } else { u32::MAX };
             lowest[i] = lowest[i].min(key);
-            right[i] = right[i].min(key);
+            right[i] = Key(right[i].0.min(key));
         }
     }
     let winner = Key(lowest.into_iter().fold(u32::MAX, u32::min));
@@ -106,7 +102,7 @@ at_every_level! {
     /// One pass over the sums of each column serves both views: in the mirror the right columns that
     /// a left one can match stand in the order of their disparities, so that whole vectors of keys
     /// meet the least so far.
-    fn select_row(space: &SearchSpace, sums: &[u16], left: &mut [(Key, u16)], right: &mut [u32]) {
+    fn select_row(space: &SearchSpace, sums: &[u16], left: &mut [(Key, u16)], right: &mut [Key]) {
         for (x, sums) in sums.chunks_exact(space.lanes).enumerate() {
             let candidates = space.candidates(space.first + x);
             if candidates.is_empty() {
@@ -124,37 +120,19 @@ at_every_level! {
     }
 }
 
-/// What is added to a winner for its fraction of a pixel: 0 at the ends of the range.
-pub(crate) fn fraction(costs: &[u16], winner: usize, candidates: Range<usize>) -> f32 {
-    if winner <= candidates.start || winner + 1 >= candidates.end {
-        return 0.0;
-    }
-    let [before, least, after] = [winner - 1, winner, winner + 1].map(|k| f32::from(costs[k]));
-    tip_of_v(before, least, after)
-}
-
-/// Where the tip of a V through three costs lies, the second of which is the least: 0 where all are
-/// equal.
+/// Where the tip of a V through three costs lies, the second of which is the least, the shape
+/// ("equiangular") that absolute differences have around their minimum (Shimizu & Okutomi 2001):
+/// between -1/2 and 1/2, 0 where all are equal.
 #[inline(always)]
 pub(crate) fn tip_of_v(before: f32, least: f32, after: f32) -> f32 {
     let rise = before.max(after) - least;
     if rise > 0.0 { (before - after) / (2.0 * rise) } else { 0.0 }
 }
 
-/// The fraction of right column `x` whose winner is `winner`: its costs lie along a diagonal.
-pub(crate) fn right_fraction(space: &SearchSpace, costs: &[u16], x: usize, winner: usize) -> f32 {
-    let column = (x as i64 + i64::from(space.min) + winner as i64) as usize - space.first;
-    if winner == 0 || column == 0 || winner + 1 >= space.count || column + 1 >= space.columns() {
-        return 0.0;
-    }
-    let at = column * space.lanes + winner;
-    let diagonal = [at - space.lanes - 1, at, at + space.lanes + 1].map(|i| costs[i]);
-    fraction(&diagonal, 1, 0..3)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
     use raster::{BoundingBox, DisparityRange};
 
     type Definition = (Vec<Option<(usize, u16)>>, Vec<Option<usize>>);
@@ -183,11 +161,8 @@ mod tests {
 
     #[test]
     fn winners_are_the_definitions_at_every_level() {
-        let mut state = 5u32;
-        let mut random = |n: u32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            ((state >> 16) % n) as u16
-        };
+        let mut chance = Chance(5);
+        let mut random = |n: u32| chance.below(n) as u16;
         for (width, columns, range) in [
             (50, (0, 49), (0, 36)),
             (50, (7, 31), (-9, 30)),
@@ -205,7 +180,7 @@ mod tests {
                 winners.select(level, &space, &sums);
                 let found = winners.left.iter().map(|&(key, m)| key.disparity().map(|k| (k, m)));
                 assert_eq!(found.collect::<Vec<_>>(), left, "{space:?}");
-                let found = winners.right(&space).map(Key::disparity);
+                let found = winners.right(&space).iter().map(|key| key.disparity());
                 assert_eq!(found.collect::<Vec<_>>(), right, "{space:?}");
             }
         }
@@ -213,9 +188,8 @@ mod tests {
 
     #[test]
     fn a_v_shape_gives_its_tip() {
-        // Costs 4 |k - 1.25| + 3.
-        assert_eq!(fraction(&[8, 4, 6, 10], 1, 0..4), 0.25);
-        assert_eq!(fraction(&[8, 4, 6, 10], 1, 1..4), 0.0);
-        assert_eq!(fraction(&[4, 4, 4], 1, 0..3), 0.0);
+        // Costs 4 |k - 0.25| + 3.
+        assert_eq!(tip_of_v(8.0, 4.0, 6.0), 0.25);
+        assert_eq!(tip_of_v(4.0, 4.0, 4.0), 0.0);
     }
 }

@@ -195,6 +195,7 @@ fn exp(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Chance;
     use crate::kernels::level::{Level, at_every_level};
 
     at_every_level! {
@@ -203,14 +204,13 @@ mod tests {
         }
     }
 
-    /// Numbers between -1 and 1.
-    fn noise(state: &mut u32) -> f32 {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (*state >> 8) as f32 / (1 << 23) as f32 - 1.0
+    /// A number between -1 and 1.
+    fn noise(chance: &mut Chance) -> f32 {
+        2.0 * chance.share() - 1.0
     }
 
-    fn judge(state: &mut u32) -> Judge {
-        Judge::new((0..Judge::NUMBERS).map(|_| 0.4 * noise(state)))
+    fn judge(chance: &mut Chance) -> Judge {
+        Judge::new((0..Judge::NUMBERS).map(|_| 0.4 * noise(chance)))
     }
 
     /// The same by its formula, candidate after candidate, in 64 bits.
@@ -243,14 +243,14 @@ mod tests {
 
     #[test]
     fn the_least_expected_error_wins_at_every_level() {
-        let mut state = 5;
+        let mut chance = Chance(5);
         for _ in 0..20 {
-            let judge = judge(&mut state);
+            let judge = judge(&mut chance);
             let known = Known {
-                disparities: std::array::from_fn(|_| 8.0 * noise(&mut state)),
-                inside: std::array::from_fn(|k| k == 0 || noise(&mut state) > -0.5),
-                of_each: std::array::from_fn(|_| std::array::from_fn(|_| noise(&mut state))),
-                of_pixel: std::array::from_fn(|_| noise(&mut state)),
+                disparities: std::array::from_fn(|_| 8.0 * noise(&mut chance)),
+                inside: std::array::from_fn(|k| k == 0 || noise(&mut chance) > -0.5),
+                of_each: std::array::from_fn(|_| std::array::from_fn(|_| noise(&mut chance))),
+                of_pixel: std::array::from_fn(|_| noise(&mut chance)),
             };
             let expected = definition(&judge, &known);
             let inside = (0..CANDIDATES).filter(|&k| known.inside[k]);

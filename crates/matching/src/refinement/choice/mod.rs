@@ -100,6 +100,7 @@ mod tests {
 
     use super::edges::Edges;
     use super::*;
+    use crate::chance::Chance;
     use crate::cost::looks::Looks;
     use crate::refinement::slopes::Slopes;
 
@@ -107,11 +108,6 @@ mod tests {
     const ROWS: usize = 40;
     const FIRST: usize = 10;
     const WIDTH: usize = 104;
-
-    fn noise(state: &mut u32) -> f32 {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (*state >> 8) as f32 / (1 << 24) as f32
-    }
 
     /// All that a scene borrows: a board at 12 before a wall at 4, both of noise. Some columns of the
     /// image are not mapped.
@@ -132,10 +128,14 @@ mod tests {
 
     impl World {
         fn new(values: Plane<f32>) -> Self {
+            Self::textured(values, 200.0)
+        }
+
+        /// With noise of so many grey levels.
+        fn textured(values: Plane<f32>, texture: f32) -> Self {
             let level = Level::available()[0];
-            let mut state = 3;
-            // As much texture as photographs have: steps all over would part a pixel from everything.
-            let grey = Plane::from_fn(WIDTH + 20, ROWS, |_, _| (60.0 * noise(&mut state)) as u8);
+            let mut chance = Chance(3);
+            let grey = Plane::from_fn(WIDTH + 20, ROWS, |_, _| (texture * chance.share()) as u8);
             let shade = |x: usize, y: usize, d: f32| grey.row(y)[x].saturating_add(4 * d as u8);
             let left = Plane::from_fn(WIDTH, ROWS, |x, y| shade(x, y, truth(x)));
             let right = Plane::from_fn(WIDTH, ROWS, |x, y| {
@@ -239,11 +239,11 @@ mod tests {
 
     #[test]
     fn every_level_and_number_of_threads_chooses_the_same() {
-        let mut state = 9;
-        let numbers: Vec<f32> = (0..Judge::NUMBERS).map(|_| noise(&mut state) - 0.5).collect();
+        let mut chance = Chance(9);
+        let numbers: Vec<f32> = (0..Judge::NUMBERS).map(|_| chance.share() - 0.5).collect();
         let judge = Judge::new(numbers);
         let mut world = World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| {
-            truth(x + FIRST) + 3.0 * noise(&mut state)
+            truth(x + FIRST) + 3.0 * chance.share()
         }));
         for (i, reason) in world.reasons.samples_mut().iter_mut().enumerate() {
             *reason = [Reason::Matched, Reason::OccludedFilled, Reason::OutsideRightFilled][i % 3];
@@ -267,25 +267,31 @@ mod tests {
 
     #[test]
     fn the_shipped_judges_give_back_what_was_filled_from_the_wrong_side() {
-        let grown = |x: usize| if (40..70).contains(&x) { 12.0 } else { 4.0 };
-        let mut world = World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| grown(x + FIRST)));
-        for y in 0..ROWS {
-            world.reasons.row_mut(y)[64 - FIRST..70 - FIRST].fill(Reason::OccludedFilled);
-            world.confidence.row_mut(y)[64 - FIRST..70 - FIRST].fill(0.0);
+        // Where every pixel is a step away from the next, edges say nothing, and less is mended.
+        for (texture, most) in [(60.0, 0.2), (200.0, 0.8)] {
+            let grown = |x: usize| if (40..70).contains(&x) { 12.0 } else { 4.0 };
+            let grown = Plane::from_fn(COLUMNS, ROWS, |x, _| grown(x + FIRST));
+            let mut world = World::textured(grown, texture);
+            for y in 0..ROWS {
+                world.reasons.row_mut(y)[64 - FIRST..70 - FIRST].fill(Reason::OccludedFilled);
+                world.confidence.row_mut(y)[64 - FIRST..70 - FIRST].fill(0.0);
+            }
+            let [mut certainty, mut out] = [Plane::default(), Plane::default()];
+            choose(
+                Level::detect(),
+                &judges(true)[0],
+                &world.scene(&world.given()),
+                &mut certainty,
+                &mut out,
+            );
+            let wrong = |values: &Plane<f32>| {
+                let rows = 5..ROWS - 5;
+                let pixels = rows.flat_map(|y| (0..COLUMNS).map(move |x| (x, y)));
+                pixels.filter(|&(x, y)| (values.row(y)[x] - truth(x + FIRST)).abs() > 2.0).count()
+            };
+            let [before, after] = [&world.values, &out].map(wrong);
+            eprintln!("texture {texture}: of {before} wrong pixels {after} are left");
+            assert!((after as f32) < most * before as f32, "{after} of {before}");
         }
-        let [mut certainty, mut out] = [Plane::default(), Plane::default()];
-        choose(
-            Level::detect(),
-            &judges(true)[0],
-            &world.scene(&world.given()),
-            &mut certainty,
-            &mut out,
-        );
-        let wrong = |values: &Plane<f32>| {
-            let rows = 5..ROWS - 5;
-            let pixels = rows.flat_map(|y| (0..COLUMNS).map(move |x| (x, y)));
-            pixels.filter(|&(x, y)| (values.row(y)[x] - truth(x + FIRST)).abs() > 2.0).count()
-        };
-        assert!(wrong(&out) * 2 < wrong(&world.values), "{} {}", wrong(&out), wrong(&world.values));
     }
 }

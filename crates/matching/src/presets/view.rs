@@ -1,0 +1,131 @@
+//! One view of a pair, and what is done to it after matching: checked against the other view, cleared
+//! of speckles, filled, sharpened.
+
+use raster::{BoundingBox, DisparityRange, Plane, Reason};
+use rayon::prelude::*;
+
+use crate::cost::looks::Looks;
+use crate::ingredient::{Ingredient, Ingredients};
+use crate::kernels::level::Level;
+use crate::optimization::bands::Bands;
+use crate::optimization::support_weights::{Pair, SupportWeights};
+use crate::profile::Work;
+use crate::refinement::groups::Groups;
+use crate::refinement::median::median_of_map;
+use crate::refinement::plane_fill::fill;
+use crate::refinement::slopes::Slopes;
+use crate::selection::cross_check::{ViewMap, cross_check};
+use crate::selection::fixed_point::{FixedPoint, row_in_steps};
+
+/// Smaller groups of equal disparity are speckles.
+const LEAST_GROUP: usize = 60;
+/// Neighbours of one group differ by at most this.
+const GROUP_STEP: f32 = 1.0;
+
+/// What every stage needs to know.
+#[derive(Clone, Copy)]
+pub(super) struct Search {
+    pub ingredients: Ingredients,
+    pub level: Level,
+    /// The part of the left image that is matched.
+    pub work: BoundingBox,
+    pub bands: Bands,
+    /// Columns of both images.
+    pub width: usize,
+    /// Disparities that are tried anywhere.
+    pub range: DisparityRange,
+    pub numbers: FixedPoint,
+}
+
+/// One view with everything that is done to it.
+#[derive(Default)]
+pub(super) struct View {
+    pub map: ViewMap,
+    pub filled: Plane<f32>,
+    smooth: Plane<f32>,
+    pub looks: Looks,
+    groups: Groups,
+    /// The map in fixed point.
+    pub steps: Plane<u16>,
+}
+
+impl View {
+    pub fn begin(&mut self, first: usize, columns: usize, rows: usize) {
+        self.map.first = first;
+        self.map.values.reset(columns, rows, f32::NAN);
+    }
+
+    /// Takes out what the other view does not confirm, and small groups.
+    pub fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) -> Work {
+        let Search { ingredients, level, numbers, width, .. } = search;
+        let checked = if ingredients.has(Ingredient::LeftRightCheck) {
+            cross_check(level, width, &mut self.map, other, other_first)
+        } else {
+            self.accept()
+        };
+        if !ingredients.has(Ingredient::SpeckleFilter) {
+            return checked;
+        }
+        let ViewMap { values, reasons, .. } = &mut self.map;
+        let (columns, rows) = values.size();
+        let written = in_steps(level, numbers, values, &mut self.steps);
+        let step = numbers.steps(GROUP_STEP);
+        let height = rows.div_ceil(rayon::current_num_threads());
+        let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
+        for y in 0..rows {
+            for (run, size) in self.groups.runs(y) {
+                if size < LEAST_GROUP {
+                    values.row_mut(y)[run.clone()].fill(f32::NAN);
+                    reasons.row_mut(y)[run].fill(Reason::MismatchedHole);
+                }
+            }
+        }
+        checked + written + grouped + self.groups.looked_at()
+    }
+
+    /// Takes every disparity for a match.
+    fn accept(&mut self) -> Work {
+        let ViewMap { values, reasons, .. } = &mut self.map;
+        reasons.reset(values.columns(), values.rows(), Reason::OccludedHole);
+        for (value, reason) in values.samples().iter().zip(reasons.samples_mut()) {
+            *reason = if value.is_nan() { Reason::OccludedHole } else { Reason::Matched };
+        }
+        Work::bytes(size_of_val(values.samples()) + size_of_val(reasons.samples()))
+    }
+
+    /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
+    pub fn refine(
+        &mut self,
+        search: Search,
+        other: &Looks,
+        slopes: &mut Slopes,
+        weights: &mut SupportWeights,
+    ) -> Work {
+        let Search { ingredients, level, width, range, .. } = search;
+        let filled = fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
+        let smoothed = median_of_map(level, &self.filled, &mut self.smooth);
+        let pair = Pair {
+            base: &self.looks,
+            other,
+            first: self.map.first,
+            least: range.min(),
+            most: range.max(),
+        };
+        let sloped = slopes.compute(level, &self.smooth);
+        let refined = weights.refine(level, &pair, &self.smooth, slopes, &mut self.map.values);
+        filled + smoothed + sloped + refined
+    }
+}
+
+/// A map in fixed point.
+pub(super) fn in_steps(
+    level: Level,
+    numbers: FixedPoint,
+    values: &Plane<f32>,
+    steps: &mut Plane<u16>,
+) -> Work {
+    steps.reset(values.columns(), values.rows(), 0);
+    let rows = steps.samples_mut().par_chunks_mut(values.columns()).enumerate();
+    rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
+    Work::bytes(size_of_val(values.samples()) + size_of_val(steps.samples()))
+}
