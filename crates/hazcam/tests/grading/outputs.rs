@@ -1,5 +1,7 @@
 //! The forms of a report, on one submission that passes one test and fails the other.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use crate::classroom::{Classroom, HONEST};
@@ -73,9 +75,12 @@ fn the_status_says_when_points_are_missing_or_the_grader_failed() {
     assert!(stdout.contains("./python cannot be started"), "{stdout}");
     #[cfg(unix)]
     {
-        let python = classroom.python.as_ref().unwrap();
-        std::os::unix::fs::symlink(python, classroom.path("python")).unwrap();
-        let (status, stdout, _) = graded(&["--python", "./python"]);
+        // The folder of the whole environment: of its program alone Python would not know the packages.
+        let python = classroom.python.as_deref().unwrap();
+        let environment = python.parent().and_then(Path::parent).unwrap();
+        std::os::unix::fs::symlink(environment, classroom.path("environment")).unwrap();
+        let python = Path::new("./environment/bin").join(python.file_name().unwrap());
+        let (status, stdout, _) = graded(&["--python", python.to_str().unwrap()]);
         assert_eq!(status, 0, "{stdout}");
     }
     // Without data, the course's tests cannot be run: the grader's fault, with the remedy.
