@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Trains a judge of `best` (crates/matching/src/refinement/choice) and appends its weights.
+"""Trains a judge of `balanced` or `best` (crates/matching/src/refinement/choice), appends its weights.
 
-    cargo run --release -p hazcam-training -- --out target/choices.bin
-    python3 training/choice.py target/choices.bin \
-        --weights crates/matching/src/refinement/choice/weights.bin
+    cargo run --release -p hazcam-training -- --preset best --out target/choices.bin
+    python3 training/choice.py target/choices.bin --preset best \
+        --weights crates/matching/src/refinement/choice/best.bin
 
 Once for each round of choices, beginning with an empty file of weights: samples are taken after the
 rounds that are there, so every judge learns from what those before it left. Needs PyTorch and numpy.
@@ -21,23 +21,23 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-CANDIDATES, OF_EACH, OF_PIXEL = 32, 20, 6
-FIRST, SECOND = 32, 16
-NUMBERS = 2 + CANDIDATES * (2 + OF_EACH) + OF_PIXEL
+OF_EACH, OF_PIXEL = 20, 6
+# Candidates (`reach.rs`) and the numbers of the two layers (`jury.rs`).
+SIZES = {"balanced": (16, 16, 8), "best": (32, 32, 16)}
 BATCH = 1024
 
 
 class Judge(nn.Module):
-    def __init__(self):
+    def __init__(self, candidates, first, second):
         super().__init__()
         random = lambda *shape, scale: nn.Parameter(torch.randn(*shape) * scale)
         # In the order in which `judge.rs` reads them.
-        self.places = nn.Parameter(0.3 * torch.randn(FIRST, 1).repeat(1, CANDIDATES))
-        self.of_each = random(FIRST, OF_EACH, scale=0.8 / math.sqrt(OF_EACH))
-        self.of_pixel = random(FIRST, OF_PIXEL, scale=0.3)
-        self.second = random(SECOND, FIRST, scale=math.sqrt(2 / FIRST))
-        self.second_offsets = nn.Parameter(torch.zeros(SECOND))
-        self.last = random(SECOND, scale=math.sqrt(1 / SECOND))
+        self.places = nn.Parameter(0.3 * torch.randn(first, 1).repeat(1, candidates))
+        self.of_each = random(first, OF_EACH, scale=0.8 / math.sqrt(OF_EACH))
+        self.of_pixel = random(first, OF_PIXEL, scale=0.3)
+        self.second = random(second, first, scale=math.sqrt(2 / first))
+        self.second_offsets = nn.Parameter(torch.zeros(second))
+        self.last = random(second, scale=math.sqrt(1 / second))
 
     def forward(self, of_each, of_pixel):
         first = torch.einsum("hi,bik->bhk", self.of_each, of_each) + self.places
@@ -46,16 +46,17 @@ class Judge(nn.Module):
         return torch.einsum("g,bgk->bk", self.last, second.relu())
 
 
-def load(path):
+def load(path, candidates):
     samples = np.fromfile(path, "<f4")
-    if len(samples) == 0 or len(samples) % NUMBERS:
-        raise SystemExit(f"{path}: {len(samples)} numbers, but a pixel has {NUMBERS}; "
-                         "write it with `cargo run --release -p hazcam-training`")
-    samples = samples.reshape(-1, NUMBERS)
-    ends = np.cumsum([1, 1, CANDIDATES, CANDIDATES, OF_EACH * CANDIDATES])
+    numbers = 2 + candidates * (2 + OF_EACH) + OF_PIXEL
+    if len(samples) == 0 or len(samples) % numbers:
+        raise SystemExit(f"{path}: {len(samples)} numbers, but a pixel has {numbers}; write it with "
+                         "`cargo run --release -p hazcam-training`, of the same preset")
+    samples = samples.reshape(-1, numbers)
+    ends = np.cumsum([1, 1, candidates, candidates, OF_EACH * candidates])
     parts = np.split(samples, ends, axis=1)
     truth, weight, disparities, inside, of_each, of_pixel = map(torch.from_numpy, parts)
-    of_each = of_each.half().reshape(-1, OF_EACH, CANDIDATES)
+    of_each = of_each.half().reshape(-1, OF_EACH, candidates)
     # A few pixels that stand for very many would make the steps rough.
     return truth, weight[:, 0].clamp(max=4), disparities, inside > 0, of_each, of_pixel
 
@@ -63,6 +64,7 @@ def load(path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("samples", type=Path)
+    parser.add_argument("--preset", choices=SIZES, required=True, help="whose judge it is")
     parser.add_argument("--steps", type=int, default=15000)
     parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
     parser.add_argument("--weights", type=Path, required=True, help="the file to append to")
@@ -71,11 +73,12 @@ def main():
         if not file.is_file():
             parser.error(f"{file}: no such file")
     torch.manual_seed(1)
-    truth, weight, disparities, inside, of_each, of_pixel = load(arguments.samples)
+    truth, weight, disparities, inside, of_each, of_pixel = load(
+        arguments.samples, SIZES[arguments.preset][0])
     print(f"{len(truth)} pixels", flush=True)
     error = (disparities - truth).abs()
     near = (torch.exp(-((error / 1.2) ** 2)) + 0.02 * torch.exp(-error / 4) + 1e-6).log()
-    judge = Judge()
+    judge = Judge(*SIZES[arguments.preset])
     optimizer = torch.optim.AdamW(judge.parameters(), arguments.rate, weight_decay=1e-4)
     losses = []
     for step in range(arguments.steps):

@@ -1,14 +1,10 @@
 //! Which pixels are learned from, and what is written of them.
 
 use arena::dataset::CaseData;
-use matching::MatchError;
-use matching::training::{CANDIDATES, OF_EACH, OF_PIXEL, Pixel, choices};
+use matching::training::{Pixel, choices};
+use matching::{MatchError, Preset};
 use raster::Plane;
 use scenes::Random;
-
-/// Numbers of a pixel: its truth, how many pixels it stands for (in the mean 1), disparities, which of
-/// them count, what is known of each, of the pixel.
-pub const NUMBERS: usize = 2 + CANDIDATES * (2 + OF_EACH) + OF_PIXEL;
 
 /// How much a pixel is wanted: more where the map is wrong and along edges, less where all is flat.
 fn wanted(values: &Plane<f32>, truth: &Plane<f32>, x: usize, y: usize) -> f64 {
@@ -56,21 +52,28 @@ fn picked(
     picked
 }
 
-/// What is learned from about so many pixels of a pair: [`NUMBERS`] for each.
-pub fn lesson(data: &CaseData, pixels: usize, mut random: Random) -> Result<Vec<f32>, MatchError> {
+/// What is learned from about so many pixels of a pair. Each is so many numbers: its truth, how many
+/// pixels it stands for (in the mean 1), disparities, which of them count, what is known of each, of
+/// the pixel.
+pub fn lesson(
+    preset: Preset,
+    data: &CaseData,
+    pixels: usize,
+    mut random: Random,
+) -> Result<Vec<Vec<f32>>, MatchError> {
     let truth = data.truth.as_ref().expect("scenes to learn from have truth");
     let pick = {
         let truth = truth.clone();
         move |values: &Plane<f32>| picked(values, &truth, pixels, &mut random)
     };
-    let known = choices(&data.left, &data.right, data.range, pick)?;
-    let mut numbers = Vec::with_capacity(known.len() * NUMBERS);
-    for (Pixel { column, row, weight }, known) in known {
-        numbers.extend([truth.row(row)[column], weight]);
+    let known = choices(preset, &data.left, &data.right, data.range, pick)?;
+    let numbers = known.into_iter().map(|(Pixel { column, row, weight }, known)| {
+        let mut numbers = vec![truth.row(row)[column], weight];
         numbers.extend(known.disparities);
-        numbers.extend(known.inside.map(|inside| f32::from(u8::from(inside))));
+        numbers.extend(known.inside.iter().map(|&inside| f32::from(u8::from(inside))));
         numbers.extend(known.of_each.iter().flatten());
         numbers.extend(known.of_pixel);
-    }
-    Ok(numbers)
+        numbers
+    });
+    Ok(numbers.collect())
 }

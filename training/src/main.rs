@@ -1,8 +1,8 @@
-//! Writes what `choice.py` learns from: candidates of pixels of many pairs, with all that `best` knows
-//! of them when the judges that it has so far have spoken, and the truth.
+//! Writes what `choice.py` learns from: candidates of pixels of many pairs, with all that a
+//! preset knows of them when the judges that it has so far have spoken, and the truth.
 //!
 //! ```text
-//! cargo run --release -p hazcam-training -- --out target/choices.bin
+//! cargo run --release -p hazcam-training -- --preset best --out target/choices.bin
 //! ```
 //!
 //! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are and strained (light, noise, vertical offset),
@@ -19,12 +19,16 @@ use std::process::ExitCode;
 use arena::dataset::{self, Case, CaseData, Purpose};
 use clap::Parser;
 use formats::write_atomically;
+use matching::Preset;
 use scenes::{Kind, Random, Settings};
 use strain::Strain;
 
 /// Writes what `choice.py` learns from.
 #[derive(Parser)]
 struct Arguments {
+    /// Whose judge is to learn: balanced or best.
+    #[arg(long, value_parser = preset)]
+    preset: Preset,
     /// The folder with `scenes.json`.
     #[arg(long, env = "HAZCAM_DATA")]
     data: PathBuf,
@@ -49,6 +53,11 @@ struct Arguments {
 const FIRST_SEED: u64 = 1000;
 /// Keeps this program's chances apart from those of the scenes.
 const PURPOSE: &str = "training";
+
+fn preset(name: &str) -> Result<Preset, String> {
+    let all = [Preset::Balanced, Preset::Best];
+    all.into_iter().find(|preset| preset.name() == name).ok_or("give balanced or best".into())
+}
 
 type Failure = Box<dyn Error + Send + Sync>;
 
@@ -84,10 +93,11 @@ fn check(without: &[String], cases: &[&Case]) -> Result<(), Failure> {
 fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<usize, Failure> {
     let mut all = 0;
     let mut add = |name: &str, data: &CaseData, pixels: usize, random: Random| {
-        let lesson = lessons::lesson(data, pixels, random)?;
-        lesson.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))?;
-        all += lesson.len() / lessons::NUMBERS;
-        println!("{name}: {} pixels", lesson.len() / lessons::NUMBERS);
+        let lesson = lessons::lesson(arguments.preset, data, pixels, random)?;
+        let mut numbers = lesson.iter().flatten();
+        numbers.try_for_each(|number| out.write_all(&number.to_le_bytes()))?;
+        all += lesson.len();
+        println!("{name}: {} pixels", lesson.len());
         Ok::<_, Failure>(())
     };
     for (seed, case) in (1..).zip(cases) {

@@ -48,7 +48,7 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// Both presets have these, in the order of the stages.
-const BALANCED: [Ingredient; 10] = [
+const BALANCED: [Ingredient; 11] = [
     Gradient,
     AdaptiveP2,
     SubPixel,
@@ -57,6 +57,7 @@ const BALANCED: [Ingredient; 10] = [
     SpeckleFilter,
     Interpolation,
     PlaneFill,
+    LearnedChoice,
     Median,
     PathMargin,
 ];
@@ -173,7 +174,7 @@ impl Ingredient {
             ),
             LearnedChoice => (
                 "learned-choice",
-                "every pixel takes one of 32 planes around it, chosen by a learned judge",
+                "pixels take one of 16 planes around them (in best 32), chosen by a learned judge",
                 "the filled map as it is",
             ),
             LastChoice => (
@@ -184,7 +185,7 @@ impl Ingredient {
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             PathMargin => (
                 "path-margin",
-                "confidence: how far the winner's sum lies below any other; in best, times the judge's certainty",
+                "confidence: how far the winner's sum lies below any other, times the judge's certainty",
                 "1 / (1 + difference of the two views' disparities)",
             ),
         }

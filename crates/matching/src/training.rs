@@ -4,13 +4,14 @@ use raster::{BoundingBox, DisparityRange, Image, Plane};
 
 use crate::matcher::Frame;
 use crate::refinement::choice::Lesson;
-pub use crate::refinement::choice::{CANDIDATES, Known, OF_EACH, OF_PIXEL, Pixel};
-use crate::{MatchError, presets};
+pub use crate::refinement::choice::{Known, OF_EACH, OF_PIXEL, Pixel};
+use crate::{MatchError, Preset, presets};
 
-/// What `best` knows of pixels of a pair of images of equal size when the judges that it has so far
+/// What a preset, `balanced` or `best`, knows of pixels of a pair of images of equal size when the judges that it has so far
 /// have spoken. `pick` says which when it has seen the disparities up to there; those without a choice
 /// are left out.
 pub fn choices(
+    preset: Preset,
     left: &Image,
     right: &Image,
     range: DisparityRange,
@@ -18,5 +19,5 @@ pub fn choices(
 ) -> Result<Vec<(Pixel, Known)>, MatchError> {
     let (columns, rows) = left.size();
     let frame = Frame { left, right, bounds: BoundingBox::whole(columns, rows), range };
-    Ok(presets::teach(&frame, Lesson::new(pick))?.known)
+    Ok(presets::teach(preset, &frame, Lesson::new(pick))?.known)
 }

@@ -76,12 +76,6 @@ impl Looks {
         self.0.rows()
     }
 
-    /// The grey value of pixel `(x, y)`.
-    #[inline(always)]
-    pub fn grey(&self, x: usize, y: usize) -> u8 {
-        self.0.samples()[(3 * y + 2) * self.columns() + x]
-    }
-
     /// The parts of row `y`.
     pub fn row(&self, y: usize) -> [&[u8]; 3] {
         let row = self.0.row(y);
@@ -139,16 +133,21 @@ fn copy_with_ends(row: &[u8], start: i64, out: &mut [u8]) {
 at_every_level! {
     /// The census words of the middle one of three rows; ends are repeated.
     fn census_of_row(near: [&[u8]; 3], census: &mut [u8]) {
-        let columns = census.len();
-        for (x, word) in census.iter_mut().enumerate() {
-            let places = [x.saturating_sub(1), x, (x + 1).min(columns - 1)];
-            let mut bits = 0;
-            for i in 0..9 {
-                if i != 4 {
-                    bits = bits << 1 | u8::from(near[i / 3][places[i % 3]] < near[1][x]);
-                }
-            }
-            *word = bits;
+        let last = census.len() - 1;
+        for x in [0, last] {
+            let places = [x.saturating_sub(1), x, (x + 1).min(last)];
+            census[x] = word(near.map(|row| places.map(|x| row[x])));
+        }
+        if last < 2 {
+            return;
+        }
+        let [above, here, below] = near.map(|row| [0, 1, 2].map(|x| &row[x..][..last - 1]));
+        for (x, word_of) in census[1..last].iter_mut().enumerate() {
+            *word_of = word([
+                [above[0][x], above[1][x], above[2][x]],
+                [here[0][x], here[1][x], here[2][x]],
+                [below[0][x], below[1][x], below[2][x]],
+            ]);
         }
     }
 
@@ -172,6 +171,18 @@ at_every_level! {
             }
         }
     }
+}
+
+/// The census word of the middle one of 3 x 3 pixels.
+#[inline(always)]
+fn word(pixels: [[u8; 3]; 3]) -> u8 {
+    let mut bits = 0;
+    for i in 0..9 {
+        if i != 4 {
+            bits = bits << 1 | u8::from(pixels[i / 3][i % 3] < pixels[1][1]);
+        }
+    }
+    bits
 }
 
 #[cfg(test)]

@@ -13,13 +13,13 @@ use crate::optimization::bands::{Bands, Volume};
 use crate::optimization::semi_global::SemiGlobal;
 use crate::optimization::support_weights::SupportWeights;
 use crate::prepare::descriptor::Descriptors;
-use crate::refinement::choice::Choices;
+use crate::refinement::choice::{Choices, Jury};
 use crate::refinement::groups::Groups;
 
 /// What semi-global matching takes at most where no limit was given. Bands cost time, so the pairs of the
 /// usual benchmarks are matched without any (KITTI with 160 disparities: 75 MB); several megapixels,
 /// which would take gigabytes, are matched with bands.
-const UNASKED: usize = 180_000_000;
+const UNASKED: usize = 120_000_000;
 
 /// Room for what is done row by row: bytes per column and thread, and in all.
 const ROW: usize = 64;
@@ -56,6 +56,7 @@ impl Needs {
         work: BoundingBox,
         space: &SearchSpace,
         ingredients: Ingredients,
+        jury: &Jury,
     ) -> Self {
         let (width, height) = frame.size();
         let (columns, lines) = (work.columns(), work.rows());
@@ -87,7 +88,7 @@ impl Needs {
             true => 12 * (part + columns.div_ceil(4) * lines.div_ceil(4)),
         };
         // Looks, per view its own and those of the other; slopes of either.
-        let seen = if support_weights || choice { (4 * 3 + 8) * wide } else { 0 };
+        let seen = if support_weights { (4 * 3 + 8) * wide } else { 0 };
         let support_weights = match support_weights {
             false => 0,
             // The left view smoothed; the right one filled and smoothed, its reasons, fixed point and
@@ -97,7 +98,7 @@ impl Needs {
                 4 * part + right + SupportWeights::bytes(width, lines, space.count)
             }
         };
-        let choice = if choice { Choices::bytes(part) } else { 0 };
+        let choice = if choice { Choices::bytes(jury, (columns, lines), width) } else { 0 };
         let refined = filled + seen + support_weights + choice;
         let stages = images + grey + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };

@@ -7,7 +7,6 @@ mod view;
 
 use raster::DisparityMap;
 
-use crate::ingredient::Ingredients;
 use crate::kernels::level::Level;
 use crate::matcher::{Frame, Pipeline};
 use crate::profile::Profile;
@@ -20,8 +19,7 @@ pub(crate) fn pipeline(options: &Options, level: Level) -> Box<dyn Pipeline> {
     match options.preset {
         Preset::Fast => Box::new(fast::Fast::new(level)),
         preset @ (Preset::Balanced | Preset::Best) => {
-            let ingredients = Ingredients::of(preset, &options.without);
-            Box::new(SemiGlobalMatching::new(ingredients, level, options.memory))
+            Box::new(SemiGlobalMatching::new(preset, &options.without, level, options.memory))
         }
     }
 }
@@ -35,10 +33,15 @@ pub(crate) fn explanation(preset: Preset) -> &'static str {
     }
 }
 
-/// Lets `best` match a frame, up to where it would choose once more, and takes the lesson from there.
-pub(crate) fn teach(frame: &Frame<'_>, lesson: Lesson) -> Result<Lesson, MatchError> {
+/// Lets `balanced` or `best` match a frame, up to where it would choose once more, and takes the lesson
+/// from there.
+pub(crate) fn teach(
+    preset: Preset,
+    frame: &Frame<'_>,
+    lesson: Lesson,
+) -> Result<Lesson, MatchError> {
     let (columns, rows) = frame.size();
-    let mut best = SemiGlobalMatching::teaching(Level::detect(), lesson);
-    best.run(frame, &mut DisparityMap::empty(columns, rows), &mut Profile::new())?;
-    Ok(best.into_lesson().expect("it was given one"))
+    let mut stages = SemiGlobalMatching::teaching(preset, Level::detect(), lesson);
+    stages.run(frame, &mut DisparityMap::empty(columns, rows), &mut Profile::new())?;
+    Ok(stages.into_lesson().expect("it was given one"))
 }

@@ -23,7 +23,7 @@ use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::profile::{Profile, Work};
-use crate::refinement::choice::{Choices, Given, Lesson};
+use crate::refinement::choice::{Choices, Given, Jury, Lesson};
 use crate::refinement::plane_fill::fill;
 use crate::refinement::slopes::Slopes;
 use crate::selection::both_views::Selection;
@@ -78,10 +78,10 @@ pub(crate) struct SemiGlobalMatching {
 }
 
 impl SemiGlobalMatching {
-    /// With all ingredients, and a lesson to be learned from the first frame.
-    pub fn teaching(level: Level, lesson: Lesson) -> Self {
-        let all = Ingredients::of(Preset::Best, &[]);
-        Self { choices: Choices::teaching(lesson), ..Self::new(all, level, None) }
+    /// A preset with all ingredients, and a lesson to be learned from the first frame.
+    pub fn teaching(preset: Preset, level: Level, lesson: Lesson) -> Self {
+        let untaught = Self::new(preset, &[], level, None);
+        Self { choices: untaught.choices.teaching(lesson), ..untaught }
     }
 
     /// The lesson, learned.
@@ -89,9 +89,15 @@ impl SemiGlobalMatching {
         self.choices.into_lesson()
     }
 
-    pub fn new(ingredients: Ingredients, level: Level, memory: Option<usize>) -> Self {
+    /// `balanced` or `best`, without some of its ingredients.
+    pub fn new(
+        preset: Preset,
+        without: &[Ingredient],
+        level: Level,
+        memory: Option<usize>,
+    ) -> Self {
         Self {
-            ingredients,
+            ingredients: Ingredients::of(preset, without),
             level,
             memory,
             buffers: Default::default(),
@@ -106,7 +112,7 @@ impl SemiGlobalMatching {
             others: Default::default(),
             slopes: Slopes::default(),
             weights: SupportWeights::default(),
-            choices: Choices::default(),
+            choices: Choices::new(Jury::of(preset)),
             medians: Vec::new(),
         }
     }
@@ -284,22 +290,21 @@ impl SemiGlobalMatching {
     /// is as confident as the judge is certain, one with a match as both are.
     fn choose(&mut self, search: Search, confidence: &mut [f32]) -> Work {
         let Search { ingredients, level, work, width, range, .. } = search;
-        let View { map, filled, looks, .. } = &mut self.left;
+        let View { map, filled, .. } = &mut self.left;
         let columns = work.x0..work.x0 + filled.columns();
         let given = Given {
             doubtful: &self.doubtful,
-            base: looks,
-            other: &self.others[0],
+            grey: [&self.grey[0], &self.grey[1]],
             right: &self.right.map.values,
             first: work.x0,
+            top: work.y0,
             least: range.min() as f32,
             most: range.max() as f32,
         };
-        let before = confidence.chunks_exact(width).map(|row| &row[columns.clone()]);
-        self.choices.begin(filled.size(), before);
+        let before = raster::View::new(columns.len(), work.rows(), width, &confidence[work.x0..])
+            .expect("the part lies in the image");
         let with_last = ingredients.has(Ingredient::LastChoice);
-        let slopes = &mut self.slopes;
-        let done = self.choices.run(level, with_last, &given, slopes, filled, map);
+        let done = self.choices.run(level, with_last, &given, before, filled, map);
         if ingredients.has(Ingredient::PathMargin) {
             let certainty = self.choices.certainty().chunks_exact(columns.len());
             let told = certainty.zip(map.reasons.samples().chunks_exact(columns.len()));
@@ -365,11 +370,17 @@ fn fill_around(plane: &mut Plane<f32>, bounds: BoundingBox, value: f32) {
     }
 }
 
+impl SemiGlobalMatching {
+    fn needs(&self, frame: &Frame<'_>, work: BoundingBox, space: &SearchSpace) -> Needs {
+        Needs::new(frame, work, space, self.ingredients, self.choices.jury())
+    }
+}
+
 impl Pipeline for SemiGlobalMatching {
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
         let work = surroundings(frame.bounds, frame.size());
         let space = SearchSpace::new(frame.size().0, work, frame.range);
-        Needs::new(frame, work, &space, self.ingredients).least()
+        self.needs(frame, work, &space).least()
     }
 
     fn run(
@@ -382,6 +393,8 @@ impl Pipeline for SemiGlobalMatching {
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
         let (columns, rows) = (work.columns(), work.rows());
+        let space = SearchSpace::new(width, work, frame.range);
+        let bands = self.needs(frame, work, &space).bands(self.memory);
         let [left, right] = &mut self.buffers;
         let views = [left.view(frame.left), right.view(frame.right)];
         let [left, right] = &mut self.grey;
@@ -389,8 +402,6 @@ impl Pipeline for SemiGlobalMatching {
         let grey = GreyBuffer::work(frame.left) + GreyBuffer::work(frame.right);
         profile.end("grey", grey + copied);
 
-        let space = SearchSpace::new(width, work, frame.range);
-        let bands = Needs::new(frame, work, &space, self.ingredients).bands(self.memory);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
@@ -431,11 +442,9 @@ impl Pipeline for SemiGlobalMatching {
                     self.follow_surfaces(&space, search, confidence, profile);
                 }
             }
-            if ingredients.has(Ingredient::SupportWeights) || chooses {
+            if ingredients.has(Ingredient::SupportWeights) {
                 let looked = self.look(search);
                 profile.end("looks", looked);
-            }
-            if ingredients.has(Ingredient::SupportWeights) {
                 self.sharpen(search, profile);
             }
             if !ingredients.has(Ingredient::PathMargin) {

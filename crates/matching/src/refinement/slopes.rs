@@ -3,6 +3,8 @@
 //!
 //! In: finite values. Differences that reach beyond the map do not count.
 
+use std::ops::Range;
+
 use raster::Plane;
 use rayon::prelude::*;
 
@@ -13,7 +15,7 @@ use crate::profile::Work;
 /// Surfaces steeper than this do not count as such.
 const STEEPEST: f32 = 0.5;
 
-/// The slopes at every pixel of a map: changes per column and per row.
+/// The slopes of a map, or of some of its rows: changes per column and per row.
 #[derive(Default)]
 pub(crate) struct Slopes {
     pub along: Plane<f32>,
@@ -22,26 +24,27 @@ pub(crate) struct Slopes {
 
 impl Slopes {
     pub fn compute(&mut self, level: Level, values: &Plane<f32>) -> Work {
-        let (columns, rows) = values.size();
-        self.along.reset(columns, rows, 0.0);
-        self.down.reset(columns, rows, 0.0);
+        self.compute_rows(level, values, 0..values.rows())
+    }
+
+    /// The slopes of some rows of a map.
+    pub fn compute_rows(&mut self, level: Level, values: &Plane<f32>, rows: Range<usize>) -> Work {
+        let columns = values.columns();
+        self.along.reset(columns, rows.len(), 0.0);
+        self.down.reset(columns, rows.len(), 0.0);
         let slopes = self.along.samples_mut().par_chunks_mut(columns);
         let slopes = slopes.zip(self.down.samples_mut().par_chunks_mut(columns)).enumerate();
-        slopes.for_each(|(y, (along, down))| slopes_of_row(level, values, y, along, down));
+        slopes.for_each(|(i, (along, down))| {
+            slopes_of_row(level, values, rows.start + i, along, down);
+        });
         // Two medians of numbers of 32 bits, not 16.
-        let pixels = columns * rows;
+        let pixels = columns * rows.len();
         Work::bytes(3 * 4 * pixels) + Work::operations(2 * 2 * median::OPERATIONS) * pixels
     }
 }
 
 /// The slopes of row `y`: changes per column and per row.
-pub(crate) fn slopes_of_row(
-    level: Level,
-    values: &Plane<f32>,
-    y: usize,
-    along: &mut [f32],
-    down: &mut [f32],
-) {
+fn slopes_of_row(level: Level, values: &Plane<f32>, y: usize, along: &mut [f32], down: &mut [f32]) {
     let (columns, rows) = values.size();
     // Where no window of differences meets an end of the map.
     let whole = y >= 4 && y + 4 < rows && columns >= BLOCK + 8;

@@ -4,7 +4,11 @@
 //! straight one along a row, a column or a diagonal, so the change is the difference of two running
 //! sums: one pixel costs the same however long its ways are.
 
+use raster::Plane;
+use rayon::prelude::*;
+
 use crate::cost::looks::Looks;
+use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
 /// Steps of so many grey values are noise, and no edge counts more than this above it.
@@ -14,9 +18,9 @@ const LARGEST: u8 = 40;
 /// The ways that there are.
 const WAYS: usize = 4;
 
-/// Per pixel the sums of the steps before it, of each way. They wrap around, as do their differences.
+/// Of each way, per pixel the sum of the steps before it. Sums wrap around, as do their differences.
 #[derive(Default)]
-pub(crate) struct Edges(Vec<[u16; WAYS]>);
+pub(crate) struct Edges([Plane<u16>; WAYS]);
 
 /// Which way leads to a place so many columns and rows away; any to the pixel itself.
 pub(crate) const fn way((dx, dy): (i32, i32)) -> usize {
@@ -31,6 +35,7 @@ pub(crate) const fn way((dx, dy): (i32, i32)) -> usize {
     }
 }
 
+#[inline(always)]
 fn step(a: u8, b: u8) -> u16 {
     u16::from(a.abs_diff(b).saturating_sub(NOISE).min(LARGEST))
 }
@@ -38,53 +43,61 @@ fn step(a: u8, b: u8) -> u16 {
 impl Edges {
     /// What they take for so many pixels.
     pub fn bytes(pixels: usize) -> usize {
-        size_of::<[u16; WAYS]>() * pixels
+        WAYS * size_of::<u16>() * pixels
     }
 
     /// Adds up the steps of the columns `first..first + columns` of an image.
-    pub fn compute(&mut self, image: &Looks, first: usize, columns: usize) -> Work {
-        let Self(sums) = self;
-        sums.clear();
-        sums.resize(columns * image.rows(), [0; WAYS]);
+    pub fn compute(&mut self, level: Level, image: &Looks, first: usize, columns: usize) -> Work {
         let row = |y: usize| &image.row(y)[2][first..first + columns];
-        for y in 0..image.rows() {
-            let (above, sums) = sums.split_at_mut(y * columns);
-            let above = &above[y.saturating_sub(1) * columns..];
-            let grey = row(y);
-            for x in 1..columns {
-                sums[x][0] = sums[x - 1][0].wrapping_add(step(grey[x - 1], grey[x]));
-            }
-            if y == 0 {
-                continue;
-            }
-            let grey_above = row(y - 1);
-            for x in 0..columns {
-                let from =
-                    |u: usize, way: usize| above[u][way].wrapping_add(step(grey_above[u], grey[x]));
-                sums[x][1] = from(x, 1);
-                if x > 0 {
-                    sums[x][2] = from(x - 1, 2);
+        self.0.par_iter_mut().enumerate().for_each(|(way, sums)| {
+            sums.reset(columns, image.rows(), 0);
+            for y in 0..image.rows() {
+                let (above, sums) = sums.samples_mut().split_at_mut(y * columns);
+                let (grey, sums) = (row(y), &mut sums[..columns]);
+                if way == 0 {
+                    let mut sum = 0u16;
+                    for (sum_here, grey) in sums[1..].iter_mut().zip(grey.windows(2)) {
+                        sum = sum.wrapping_add(step(grey[0], grey[1]));
+                        *sum_here = sum;
+                    }
+                } else if y > 0 {
+                    let above = &above[(y - 1) * columns..];
+                    let grey_above = row(y - 1);
+                    let last = columns - 1;
+                    match way {
+                        1 => add_steps(level, above, grey_above, grey, sums),
+                        2 => add_steps(level, above, grey_above, &grey[1..], &mut sums[1..]),
+                        _ => {
+                            let sums = &mut sums[..last];
+                            add_steps(level, &above[1..], &grey_above[1..], &grey[..last], sums);
+                        }
+                    }
                 }
-                if x + 1 < columns {
-                    sums[x][3] = from(x + 1, 3);
-                }
             }
-        }
-        Work::bytes(columns * image.rows() + size_of_val(&sums[..]))
+        });
+        Work::bytes(columns * image.rows() + Self::bytes(columns * image.rows()))
     }
 
-    /// The steps between two pixels on a way.
+    /// The sums of the steps before the pixels of row `y`, on a way.
     #[inline(always)]
-    pub fn between(&self, one: usize, other: usize, way: usize) -> u16 {
-        (self.0[one][way].wrapping_sub(self.0[other][way]) as i16).unsigned_abs()
+    pub fn row(&self, way: usize, y: usize) -> &[u16] {
+        self.0[way].row(y)
+    }
+}
+
+at_every_level! {
+    /// Adds the steps from the row above, of which each slice begins where a way comes from.
+    fn add_steps(above: &[u16], grey_above: &[u8], grey: &[u8], sums: &mut [u16]) {
+        let from = above.iter().zip(grey_above);
+        for (sum, ((&above, &grey_above), &grey)) in sums.iter_mut().zip(from.zip(grey)) {
+            *sum = above.wrapping_add(step(grey_above, grey));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::level::Level;
-    use raster::Plane;
 
     #[test]
     fn steps_are_those_on_the_way() {
@@ -93,7 +106,7 @@ mod tests {
         looks.compute(Level::detect(), &grey, 0, 9);
         let mut edges = Edges::default();
         let (first, columns) = (5, 30);
-        edges.compute(&looks, first, columns);
+        edges.compute(Level::detect(), &looks, first, columns);
         let ways: [((i32, i32), (i32, i32)); 9] = [
             ((0, 0), (3, 3)),
             ((7, 0), (20, 0)),
@@ -115,8 +128,9 @@ mod tests {
                     u16::from(shade(at(n)).abs_diff(shade(at(n + 1))).saturating_sub(3).min(40))
                 })
                 .sum();
-            let index = |(x, y): (i32, i32)| y as usize * columns + x as usize;
-            assert_eq!(edges.between(index(at(0)), index(at(length)), way(place)), expected);
+            let sum = |(x, y): (i32, i32)| edges.row(way(place), y as usize)[x as usize];
+            let between = sum(at(0)).wrapping_sub(sum(at(length))) as i16;
+            assert_eq!(between.unsigned_abs(), expected);
         }
     }
 }

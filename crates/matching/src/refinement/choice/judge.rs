@@ -9,187 +9,259 @@
 //! [`FAR`] pixels is as bad as being off by that: of several that say nearly the same the one in the
 //! middle wins, and one that stands alone must be likely.
 //!
-//! Sums are taken candidate beside candidate, in the same order at every level and without fused
-//! multiply-adds: all levels give the same bits.
+//! Neighbouring pixels are worked on side by side. Sums are taken in the same order at every level and
+//! without fused multiply-adds: all levels give the same bits.
 
-use super::candidates::{CANDIDATES, Known, OF_EACH, OF_PIXEL};
+use super::block::{Block, Hints, LANES, Lanes, OF_EACH, OF_PIXEL, nearest};
+use super::reach::{MOST, Reach};
 
-/// Numbers of the two layers between.
-const FIRST: usize = 32;
-const SECOND: usize = 16;
+/// The most numbers that a layer has.
+const LARGEST: usize = 32;
 /// Errors beyond this, in pixels, are as bad as this.
 const FAR: f32 = 3.0;
 
 /// Sums that grow together: each number of the layer before is read once for all of these.
 const TOGETHER: usize = 4;
 
-/// One number for each candidate.
-type Lanes = [f32; CANDIDATES];
+const NONE: Lanes = [0.0; LANES];
+
+/// The numbers of the two layers between; each a multiple of [`TOGETHER`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Layers {
+    pub first: usize,
+    pub second: usize,
+}
 
 /// The weights of a judge.
 pub(crate) struct Judge {
-    places: [Lanes; FIRST],
-    of_each: [[f32; OF_EACH]; FIRST],
-    /// Of each number of the pixel, so that all sums grow together.
-    of_pixel: [[f32; FIRST]; OF_PIXEL],
-    second: [[f32; FIRST]; SECOND],
-    second_offsets: [f32; SECOND],
-    last: [f32; SECOND],
+    layers: Layers,
+    /// Of each place, one for each number of the first layer.
+    places: Vec<[f32; LARGEST]>,
+    /// Weights of [`TOGETHER`] numbers of a layer, for one number of the layer before after the other.
+    of_each: Vec<[[f32; TOGETHER]; OF_EACH]>,
+    of_pixel: Vec<[[f32; TOGETHER]; OF_PIXEL]>,
+    second: Vec<[f32; TOGETHER]>,
+    second_offsets: [f32; LARGEST],
+    last: [f32; LARGEST],
 }
 
-/// What a judge says of a pixel.
+/// What a judge keeps in mind of pixels while it looks at their candidates.
+pub(super) struct Mind {
+    /// What the pixels add to the first layer.
+    own: [Lanes; LARGEST],
+    /// The first layer of a candidate.
+    numbers: [Lanes; LARGEST],
+    /// Of each candidate, in the end how likely it is and how far it is expected to be off.
+    scores: [Lanes; MOST],
+    expected: [Lanes; MOST],
+}
+
+impl Mind {
+    pub fn new() -> Self {
+        Self {
+            own: [NONE; LARGEST],
+            numbers: [NONE; LARGEST],
+            scores: [NONE; MOST],
+            expected: [NONE; MOST],
+        }
+    }
+}
+
+/// What a judge says of pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Verdict {
-    pub disparity: f32,
+    pub disparity: Lanes,
     /// In `[0, 1]`.
-    pub certainty: f32,
+    pub certainty: Lanes,
 }
 
 impl Judge {
     /// How many numbers it is made of.
-    pub const NUMBERS: usize = FIRST * (CANDIDATES + OF_EACH + OF_PIXEL + SECOND) + 2 * SECOND;
+    pub fn numbers(reach: &Reach, Layers { first, second }: Layers) -> usize {
+        first * (reach.places.len() + OF_EACH + OF_PIXEL + second) + 2 * second
+    }
 
     /// Operations on bytes for a pixel: products and sums of four bytes each, and each candidate
     /// compared with each other one, by disparity and by what it costs to be wrong.
-    pub const OPERATIONS: usize =
-        4 * CANDIDATES * (2 * (FIRST * OF_EACH + SECOND * FIRST + SECOND) + CANDIDATES * (4 + 4));
+    pub fn operations(&self) -> usize {
+        let Layers { first, second } = self.layers;
+        let candidates = self.places.len();
+        4 * candidates * (2 * (first * OF_EACH + second * first + second) + candidates * (4 + 4))
+    }
 
-    /// From its numbers, in the order of the fields, those of the layers row by row.
-    pub fn new(numbers: impl IntoIterator<Item = f32>) -> Self {
+    /// From its numbers: of each number of the first layer the places, then the weights of what is
+    /// known of each candidate, then of the pixel; the weights of the second layer, its offsets, the
+    /// weights of the score. Those of a layer row by row.
+    pub fn new(reach: &Reach, layers: Layers, numbers: impl IntoIterator<Item = f32>) -> Self {
+        let Layers { first, second } = layers;
+        assert!([first, second].iter().all(|n| n.is_multiple_of(TOGETHER) && *n <= LARGEST));
         let mut numbers = numbers.into_iter();
         let mut next = || numbers.next().expect("there is a number for every weight");
-        let places = std::array::from_fn(|_| std::array::from_fn(|_| next()));
-        let of_each = std::array::from_fn(|_| std::array::from_fn(|_| next()));
-        let mut of_pixel = [[0.0; FIRST]; OF_PIXEL];
-        for h in 0..FIRST {
-            for i in 0..OF_PIXEL {
-                of_pixel[i][h] = next();
-            }
+        let mut places = vec![[0.0; LARGEST]; reach.places.len()];
+        for h in 0..first {
+            places.iter_mut().for_each(|place| place[h] = next());
         }
-        Self {
-            places,
-            of_each,
-            of_pixel,
-            second: std::array::from_fn(|_| std::array::from_fn(|_| next())),
-            second_offsets: std::array::from_fn(|_| next()),
-            last: std::array::from_fn(|_| next()),
+        let mut of_each = vec![[[0.0; TOGETHER]; OF_EACH]; first / TOGETHER];
+        for h in 0..first {
+            of_each[h / TOGETHER].iter_mut().for_each(|w| w[h % TOGETHER] = next());
         }
+        let mut of_pixel = vec![[[0.0; TOGETHER]; OF_PIXEL]; first / TOGETHER];
+        for h in 0..first {
+            of_pixel[h / TOGETHER].iter_mut().for_each(|w| w[h % TOGETHER] = next());
+        }
+        let mut weights = vec![[0.0; TOGETHER]; first * second / TOGETHER];
+        for h in 0..second {
+            let group = &mut weights[h / TOGETHER * first..][..first];
+            group.iter_mut().for_each(|w| w[h % TOGETHER] = next());
+        }
+        let [mut second_offsets, mut last] = [[0.0; LARGEST]; 2];
+        second_offsets[..second].fill_with(&mut next);
+        last[..second].fill_with(&mut next);
+        Self { layers, places, of_each, of_pixel, second: weights, second_offsets, last }
     }
 
-    /// What it says of a pixel.
+    /// Looks at pixels, whatever their candidates.
     #[inline(always)]
-    pub fn decide(&self, known: &Known) -> Verdict {
-        let scores = self.scores(known);
-        let mut best = f32::NEG_INFINITY;
-        for k in 0..CANDIDATES {
-            best = if known.inside[k] & (scores[k] > best) { scores[k] } else { best };
+    pub(super) fn look(&self, of_pixel: &[Lanes; OF_PIXEL], mind: &mut Mind) {
+        for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(&self.of_pixel) {
+            *own = weighted([NONE; TOGETHER], weights, of_pixel);
         }
-        let mut shares = [0.0; CANDIDATES];
-        for k in 0..CANDIDATES {
-            let share = exp(scores[k] - best);
-            shares[k] = if known.inside[k] { share } else { 0.0 };
-        }
-        let mut all = 0.0;
-        let mut expected = [0.0; CANDIDATES];
-        for k in 0..CANDIDATES {
-            let (share, there) = (shares[k], known.disparities[k]);
-            all += share;
-            for i in 0..CANDIDATES {
-                let off = (known.disparities[i] - there).abs();
-                expected[i] += share * if off < FAR { off } else { FAR };
-            }
-        }
-        let (mut least, mut disparity) = (f32::INFINITY, known.disparities[0]);
-        for k in 0..CANDIDATES {
-            if known.inside[k] && expected[k] < least {
-                (least, disparity) = (expected[k], known.disparities[k]);
-            }
-        }
-        // Sums are rounded.
-        Verdict { disparity, certainty: (1.0 - least / (FAR * all)).max(0.0) }
     }
 
+    /// Scores candidate `k`.
     #[inline(always)]
-    fn scores(&self, known: &Known) -> Lanes {
-        let mut own = [0.0; FIRST];
-        for (weights, of_pixel) in self.of_pixel.iter().zip(known.of_pixel) {
-            for h in 0..FIRST {
-                own[h] += weights[h] * of_pixel;
+    pub(super) fn score(&self, k: usize, hints: &Hints, mind: &mut Mind) {
+        let Layers { first, .. } = self.layers;
+        let places = self.places[k].as_chunks().0;
+        let Mind { own, numbers, scores, .. } = mind;
+        let groups = numbers.as_chunks_mut().0.iter_mut().zip(own.as_chunks().0);
+        for ((out, own), (weights, place)) in groups.zip(self.of_each.iter().zip(places)) {
+            *out = positive(weighted(offset(own, place), weights, hints));
+        }
+        let numbers = &numbers[..first];
+        let mut score = NONE;
+        let weights = self.second.chunks_exact(first);
+        let last = self.last.as_chunks::<TOGETHER>().0;
+        let ends = self.second_offsets.as_chunks().0.iter().zip(last);
+        for (weights, (offsets, last)) in weights.zip(ends) {
+            let second = offset(&[NONE; TOGETHER], offsets);
+            let second = positive(weighted(second, weights, numbers));
+            for (number, last) in second.iter().zip(last) {
+                for l in 0..LANES {
+                    score[l] += last * number[l];
+                }
             }
         }
-        let mut first = self.places;
-        layer(&self.of_each, &known.of_each, &own, &mut first);
-        let mut second = [[0.0; CANDIDATES]; SECOND];
-        layer(&self.second, &first, &self.second_offsets, &mut second);
-        let mut scores = [0.0; CANDIDATES];
-        for h in 0..SECOND {
-            for k in 0..CANDIDATES {
-                scores[k] += self.last[h] * second[h][k];
-            }
-        }
-        scores
-    }
-}
-
-/// Adds offsets and weighted sums to `out`, and what is negative becomes zero.
-#[inline(always)]
-fn layer<const FROM: usize, const TO: usize>(
-    weights: &[[f32; FROM]; TO],
-    from: &[Lanes; FROM],
-    offsets: &[f32; TO],
-    out: &mut [Lanes; TO],
-) {
-    const { assert!(TO.is_multiple_of(TOGETHER)) };
-    let rows = weights.as_chunks::<TOGETHER>().0.iter().zip(out.as_chunks_mut::<TOGETHER>().0);
-    for ((weights, out), offsets) in rows.zip(offsets.as_chunks::<TOGETHER>().0) {
-        let [mut a, mut b, mut c, mut d] = *out;
-        for k in 0..CANDIDATES {
-            a[k] += offsets[0];
-            b[k] += offsets[1];
-            c[k] += offsets[2];
-            d[k] += offsets[3];
-        }
-        for i in 0..FROM {
-            add_weighted(weights[0][i], &from[i], &mut a);
-            add_weighted(weights[1][i], &from[i], &mut b);
-            add_weighted(weights[2][i], &from[i], &mut c);
-            add_weighted(weights[3][i], &from[i], &mut d);
-        }
-        *out = [positive(&a), positive(&b), positive(&c), positive(&d)];
+        scores[k] = score;
     }
 }
 
 #[inline(always)]
-fn add_weighted(weight: f32, from: &Lanes, sums: &mut Lanes) {
-    for k in 0..CANDIDATES {
-        sums[k] += weight * from[k];
-    }
-}
-
-#[inline(always)]
-fn positive(sums: &Lanes) -> Lanes {
-    let mut out = [0.0; CANDIDATES];
-    for k in 0..CANDIDATES {
-        out[k] = if sums[k] > 0.0 { sums[k] } else { 0.0 };
+fn offset(sums: &[Lanes; TOGETHER], by: &[f32; TOGETHER]) -> [Lanes; TOGETHER] {
+    let mut out = *sums;
+    for t in 0..TOGETHER {
+        for l in 0..LANES {
+            out[t][l] += by[t];
+        }
     }
     out
 }
 
+/// Adds weighted sums.
+#[inline(always)]
+fn weighted(
+    sums: [Lanes; TOGETHER],
+    weights: &[[f32; TOGETHER]],
+    from: &[Lanes],
+) -> [Lanes; TOGETHER] {
+    let [mut a, mut b, mut c, mut d] = sums;
+    for (weights, from) in weights.iter().zip(from) {
+        for l in 0..LANES {
+            a[l] += weights[0] * from[l];
+            b[l] += weights[1] * from[l];
+            c[l] += weights[2] * from[l];
+            d[l] += weights[3] * from[l];
+        }
+    }
+    [a, b, c, d]
+}
+
+#[inline(always)]
+fn positive(mut sums: [Lanes; TOGETHER]) -> [Lanes; TOGETHER] {
+    for sum in &mut sums {
+        for l in 0..LANES {
+            sum[l] = if sum[l] > 0.0 { sum[l] } else { 0.0 };
+        }
+    }
+    sums
+}
+
+/// The candidate that is expected to be off by the least, by the scores of all.
+#[inline(always)]
+pub(super) fn verdict(block: &Block, mind: &mut Mind) -> Verdict {
+    let Mind { scores, expected, .. } = mind;
+    let n = block.candidates();
+    let mut best = [f32::NEG_INFINITY; LANES];
+    for k in 0..n {
+        for l in 0..LANES {
+            let counts = (block.inside[k][l] > 0.0) & (scores[k][l] > best[l]);
+            best[l] = if counts { scores[k][l] } else { best[l] };
+        }
+    }
+    let mut all = NONE;
+    for k in 0..n {
+        for l in 0..LANES {
+            let share = exp(scores[k][l] - best[l]);
+            let share = if block.inside[k][l] > 0.0 { share } else { 0.0 };
+            scores[k][l] = share;
+            all[l] += share;
+        }
+    }
+    let shares = scores;
+    expected[0] = NONE;
+    for k in 1..n {
+        let mut own = NONE;
+        for i in 0..k {
+            for l in 0..LANES {
+                let off = (block.disparities[i][l] - block.disparities[k][l]).abs();
+                let off = if off < FAR { off } else { FAR };
+                expected[i][l] += off * shares[k][l];
+                own[l] += off * shares[i][l];
+            }
+        }
+        expected[k] = own;
+    }
+    let (mut least, mut disparity) = ([f32::INFINITY; LANES], block.disparities[0]);
+    for k in 0..n {
+        for l in 0..LANES {
+            let better = (block.inside[k][l] > 0.0) & (expected[k][l] < least[l]);
+            least[l] = if better { expected[k][l] } else { least[l] };
+            disparity[l] = if better { block.disparities[k][l] } else { disparity[l] };
+        }
+    }
+    let mut certainty = NONE;
+    for l in 0..LANES {
+        // Sums are rounded.
+        let sure = 1.0 - least[l] / (FAR * all[l]);
+        certainty[l] = if sure > 0.0 { sure } else { 0.0 };
+    }
+    Verdict { disparity, certainty }
+}
+
 /// `e^x` of what is not positive, by powers of two and a polynomial of what is left (its Taylor
-/// series): the same on every machine, off by less than 3e-6.
+/// series): the same on every machine, off by less than 3e-6. What is positive counts as 0.
 #[inline(always)]
 fn exp(x: f32) -> f32 {
-    /// Adding it leaves no room for a fraction.
-    const ROUNDING: f32 = 12_582_912.0;
     let x = if x < -60.0 { -60.0 } else { x };
+    let x = if x < 0.0 { x } else { 0.0 };
     let power = x * std::f32::consts::LOG2_E;
-    let whole = (power + ROUNDING) - ROUNDING;
-    let rest = (power - whole) * std::f32::consts::LN_2;
+    let whole = nearest(power);
+    let rest = (power - whole as f32) * std::f32::consts::LN_2;
     let series = 1.0
         + rest
             * (1.0
                 + rest * (0.5 + rest * (1.0 / 6.0 + rest * (1.0 / 24.0 + rest * (1.0 / 120.0)))));
-    series * f32::from_bits((((whole as i32) + 127) as u32) << 23)
+    series * f32::from_bits(((whole + 127) as u32) << 23)
 }
 
 #[cfg(test)]
@@ -197,10 +269,19 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
     use crate::kernels::level::{Level, at_every_level};
+    use crate::refinement::choice::reach::{NARROW, WIDE};
+
+    const SHAPES: [(&Reach, Layers); 2] =
+        [(&NARROW, Layers { first: 8, second: 4 }), (&WIDE, Layers { first: 32, second: 16 })];
 
     at_every_level! {
-        fn decide(judge: &Judge, known: &Known) -> Verdict {
-            judge.decide(known)
+        fn judge_block(judge: &Judge, block: &Block, hints: &[Hints]) -> Verdict {
+            let mut mind = Mind::new();
+            judge.look(&block.of_pixel, &mut mind);
+            for (k, hints) in hints.iter().enumerate() {
+                judge.score(k, hints, &mut mind);
+            }
+            verdict(block, &mut mind)
         }
     }
 
@@ -209,34 +290,50 @@ mod tests {
         2.0 * chance.share() - 1.0
     }
 
-    fn judge(chance: &mut Chance) -> Judge {
-        Judge::new((0..Judge::NUMBERS).map(|_| 0.4 * noise(chance)))
+    fn noises<const N: usize>(chance: &mut Chance) -> [Lanes; N] {
+        std::array::from_fn(|_| std::array::from_fn(|_| noise(chance)))
     }
 
-    /// The same by its formula, candidate after candidate, in 64 bits.
-    fn definition(judge: &Judge, known: &Known) -> Vec<f64> {
-        let wide = f64::from;
+    /// The expected errors of a pixel's candidates by the formula, in 64 bits.
+    fn definition(
+        numbers: &[f32],
+        (reach, Layers { first, second }): (&Reach, Layers),
+        block: &Block,
+        hints: &[Hints],
+        l: usize,
+    ) -> Vec<f64> {
+        let n = reach.places.len();
+        let wide = |number: f32| f64::from(number);
+        let (places, rest) = numbers.split_at(first * n);
+        let (of_each, rest) = rest.split_at(first * OF_EACH);
+        let (of_pixel, rest) = rest.split_at(first * OF_PIXEL);
+        let (weights, rest) = rest.split_at(second * first);
+        let (offsets, last) = rest.split_at(second);
         let score = |k: usize| -> f64 {
-            let first = |h: usize| {
-                let each = judge.of_each[h].iter().zip(&known.of_each);
-                let pixel = (0..OF_PIXEL).map(|i| (&judge.of_pixel[i][h], &known.of_pixel[i]));
-                let sum = wide(judge.places[h][k])
-                    + each.map(|(w, f)| wide(*w) * wide(f[k])).sum::<f64>()
-                    + pixel.map(|(w, f)| wide(*w) * wide(*f)).sum::<f64>();
-                sum.max(0.0)
+            let layer = |h: usize| {
+                let each =
+                    (0..OF_EACH).map(|i| wide(of_each[h * OF_EACH + i]) * wide(hints[k][i][l]));
+                let pixel = (0..OF_PIXEL)
+                    .map(|i| wide(of_pixel[h * OF_PIXEL + i]) * wide(block.of_pixel[i][l]));
+                (wide(places[h * n + k]) + each.sum::<f64>() + pixel.sum::<f64>()).max(0.0)
             };
-            let second = |h: usize| {
-                let sum: f64 = (0..FIRST).map(|i| wide(judge.second[h][i]) * first(i)).sum();
-                (sum + wide(judge.second_offsets[h])).max(0.0)
-            };
-            (0..SECOND).map(|h| wide(judge.last[h]) * second(h)).sum()
+            let numbers: Vec<f64> = (0..first).map(layer).collect();
+            let second = (0..second).map(|g| {
+                let sum =
+                    (0..first).map(|h| wide(weights[g * first + h]) * numbers[h]).sum::<f64>();
+                wide(last[g]) * (sum + wide(offsets[g])).max(0.0)
+            });
+            second.sum()
         };
+        let inside = |k: usize| block.inside[k][l] > 0.0;
         let chances: Vec<f64> =
-            (0..CANDIDATES).map(|k| if known.inside[k] { score(k).exp() } else { 0.0 }).collect();
+            (0..n).map(|k| if inside(k) { score(k).exp() } else { 0.0 }).collect();
         let all: f64 = chances.iter().sum();
-        let expected = (0..CANDIDATES).map(|k| {
-            let off = |i: usize| wide(known.disparities[k] - known.disparities[i]).abs().min(3.0);
-            (0..CANDIDATES).map(|i| chances[i] / all * off(i)).sum()
+        let expected = (0..n).map(|k| {
+            let off = |i: usize| {
+                wide(block.disparities[k][l] - block.disparities[i][l]).abs().min(wide(FAR))
+            };
+            (0..n).map(|i| chances[i] / all * off(i)).sum()
         });
         expected.collect()
     }
@@ -244,37 +341,45 @@ mod tests {
     #[test]
     fn the_least_expected_error_wins_at_every_level() {
         let mut chance = Chance(5);
-        for _ in 0..20 {
-            let judge = judge(&mut chance);
-            let known = Known {
-                disparities: std::array::from_fn(|_| 8.0 * noise(&mut chance)),
-                inside: std::array::from_fn(|k| k == 0 || noise(&mut chance) > -0.5),
-                of_each: std::array::from_fn(|_| std::array::from_fn(|_| noise(&mut chance))),
-                of_pixel: std::array::from_fn(|_| noise(&mut chance)),
-            };
-            let expected = definition(&judge, &known);
-            let inside = (0..CANDIDATES).filter(|&k| known.inside[k]);
-            let least = inside.map(|k| expected[k]).fold(f64::INFINITY, f64::min);
-            let first = decide(Level::available()[0], &judge, &known);
-            let chosen = known.disparities.iter().position(|&d| d == first.disparity).unwrap();
-            assert!(known.inside[chosen] && expected[chosen] < least + 1e-4);
-            assert!((f64::from(first.certainty) - (1.0 - least / 3.0)).abs() < 1e-4);
+        for shape in SHAPES.into_iter().cycle().take(6) {
+            let (reach, layers) = shape;
+            let numbers: Vec<f32> =
+                (0..Judge::numbers(reach, layers)).map(|_| 0.4 * noise(&mut chance)).collect();
+            let judge = Judge::new(reach, layers, numbers.iter().copied());
+            let mut block =
+                Block::of(reach, noises::<MOST>(&mut chance).map(|d| d.map(|d| 8.0 * d)));
+            for inside in &mut block.inside[1..] {
+                *inside = std::array::from_fn(|_| f32::from(noise(&mut chance) > -0.5));
+            }
+            block.of_pixel = noises(&mut chance);
+            let hints: Vec<Hints> = reach.places.iter().map(|_| noises(&mut chance)).collect();
+            let first = judge_block(Level::available()[0], &judge, &block, &hints);
+            for l in 0..LANES {
+                let expected = definition(&numbers, shape, &block, &hints, l);
+                let inside = (0..expected.len()).filter(|&k| block.inside[k][l] > 0.0);
+                let least = inside.map(|k| expected[k]).fold(f64::INFINITY, f64::min);
+                let chosen = |k: &usize| block.disparities[*k][l] == first.disparity[l];
+                let chosen = (0..expected.len()).find(chosen).unwrap();
+                assert!(block.inside[chosen][l] > 0.0 && expected[chosen] < least + 1e-4);
+                let sure = 1.0 - least / f64::from(FAR);
+                assert!((f64::from(first.certainty[l]) - sure).abs() < 1e-4);
+            }
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                assert_eq!(decide(level, &judge, &known), first);
+                assert_eq!(judge_block(level, &judge, &block, &hints), first);
             }
         }
     }
 
     #[test]
     fn of_many_that_say_nearly_the_same_the_middle_wins_and_one_alone_does_not() {
-        let judge = Judge::new(vec![0.0; Judge::NUMBERS]);
-        let mut known = Known { inside: [true; CANDIDATES], ..Known::default() };
-        known.disparities = std::array::from_fn(|k| if k == 0 { 30.0 } else { 0.01 * k as f32 });
-        let verdict = judge.decide(&known);
-        assert_eq!(verdict.disparity, 0.16);
+        let disparity = |k: usize| if k == 0 { 30.0 } else { 0.01 * k as f32 };
+        let block = Block::of(&WIDE, std::array::from_fn(|k| [disparity(k); LANES]));
+        let Verdict { disparity, certainty } = verdict(&block, &mut Mind::new());
+        assert_eq!(disparity, [0.16; LANES]);
         // One of 32 is as bad as can be, the others are off by a little.
-        assert!(verdict.certainty > 0.9 && verdict.certainty < 31.0 / 32.0, "{verdict:?}");
+        let sure = certainty[3];
+        assert!(sure > 0.9 && sure < 31.0 / 32.0, "{sure}");
     }
 
     #[test]
@@ -284,5 +389,6 @@ mod tests {
             assert!((ours / exact - 1.0).abs() < 3e-6, "{x}: {ours} {exact}");
         }
         assert!(exp(-1000.0) < 1e-25 && exp(f32::MIN) >= 0.0);
+        assert_eq!([exp(1.0), exp(f32::INFINITY), exp(f32::NAN)], [1.0; 3]);
     }
 }

@@ -1,8 +1,13 @@
 //! What a judge is to learn from.
 
+use std::ops::Range;
+
 use raster::Plane;
 
-use super::candidates::{Known, Scene};
+use super::block::{Block, Compared, LANES, OF_EACH, OF_PIXEL, Scene};
+use super::reach::Reach;
+use super::windows::Windows;
+use crate::kernels::level::{Level, at_every_level};
 
 /// A pixel to learn from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +18,64 @@ pub struct Pixel {
     pub row: usize,
     /// How many pixels it stands for.
     pub weight: f32,
+}
+
+/// A pixel's candidates and what is known of them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Known {
+    /// Of the candidates' planes, where the pixel lies.
+    pub disparities: Vec<f32>,
+    /// Whether they come from inside the map.
+    pub inside: Vec<bool>,
+    /// What is known of each candidate: one thing of all of them, then the next.
+    pub of_each: [Vec<f32>; OF_EACH],
+    /// What is known of the pixel.
+    pub of_pixel: [f32; OF_PIXEL],
+}
+
+impl Known {
+    /// What is known of a pixel, if it has a choice.
+    #[cfg(test)]
+    pub(super) fn of(
+        level: Level,
+        scene: &Scene<'_>,
+        reach: &Reach,
+        (x, y): (usize, usize),
+    ) -> Option<Self> {
+        let mut windows = [Windows::default(), Windows::default()];
+        let compared = Compared::row(level, scene, &mut windows, y);
+        known(level, scene, reach, &compared, (x, y))
+    }
+}
+
+at_every_level! {
+    fn known(
+        scene: &Scene<'_>,
+        reach: &Reach,
+        compared: &Compared<'_>,
+        pixel: (usize, usize),
+    ) -> Option<Known> {
+        let mut block = Block::new();
+        if !block.find(scene, reach, pixel.0, pixel.1) || !block.open[0] {
+            return None;
+        }
+        block.look(scene);
+        for l in 1..LANES {
+            // The pixels beside it may lie beyond the end of the row.
+            block.columns[l] = pixel.0;
+        }
+        block.compare(scene.given, compared);
+        let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
+        for k in 0..block.candidates() {
+            known.disparities.push(block.disparities[k][0]);
+            known.inside.push(block.inside[k][0] > 0.0);
+            let hints = block.hints(scene.given, compared, k);
+            for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
+                of_each.push(hint[0]);
+            }
+        }
+        Some(known)
+    }
 }
 
 /// Says which pixels of a map of disparities.
@@ -29,12 +92,30 @@ impl Lesson {
         Self { pick: Box::new(pick), known: Vec::new() }
     }
 
-    /// Picks pixels, and remembers what is known of those that have a choice.
-    pub fn learn(&mut self, scene: &Scene<'_>) {
-        for pixel in (self.pick)(scene.values) {
-            let mut known = Known::default();
-            if scene.know(pixel.column, pixel.row, &mut known) {
-                self.known.push((pixel, known));
+    /// Picks pixels of a map.
+    pub fn pick(&mut self, values: &Plane<f32>) -> Vec<Pixel> {
+        (self.pick)(values)
+    }
+
+    /// Remembers what is known of the pixels in some rows that have a choice.
+    pub fn learn(
+        &mut self,
+        level: Level,
+        scene: &Scene<'_>,
+        reach: &Reach,
+        pixels: &[Pixel],
+        rows: &Range<usize>,
+    ) {
+        let mut windows = [Windows::default(), Windows::default()];
+        for row in pixels.chunk_by(|one, next| one.row == next.row) {
+            let y = row[0].row;
+            if !rows.contains(&y) {
+                continue;
+            }
+            let compared = Compared::row(level, scene, &mut windows, y);
+            for &pixel in row {
+                let known = known(level, scene, reach, &compared, (pixel.column, y));
+                self.known.extend(known.map(|known| (pixel, known)));
             }
         }
     }

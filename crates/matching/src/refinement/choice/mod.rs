@@ -11,86 +11,130 @@
 //! A round looks at the map as it was before: rows can be done in any order, by any number of
 //! threads.
 
-mod candidates;
+mod between;
+mod block;
 mod edges;
 mod judge;
+mod jury;
 mod lesson;
+mod reach;
 mod rounds;
+mod strip;
+mod windows;
 
-use std::sync::LazyLock;
+use std::ops::Range;
 
 use raster::Plane;
 use rayon::prelude::*;
 
-pub(crate) use self::candidates::Given;
-use self::candidates::Scene;
-pub use self::candidates::{CANDIDATES, Known, OF_EACH, OF_PIXEL};
-use self::judge::Judge;
+pub(crate) use self::block::Given;
+use self::block::{Block, Compared, LANES, Scene};
+pub use self::block::{OF_EACH, OF_PIXEL};
+use self::judge::{Judge, Mind, verdict};
+pub(crate) use self::jury::Jury;
 pub(crate) use self::lesson::Lesson;
-pub use self::lesson::Pixel;
+pub use self::lesson::{Known, Pixel};
+use self::reach::Reach;
 pub(crate) use self::rounds::Choices;
+use self::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
-/// The weights of the judges, one after the other: 32-bit floats in the order of [`Judge::new`].
-/// `training/choice.py` makes them.
-const TRAINED: &[u8] = include_bytes!("weights.bin");
-
-static JUDGES: LazyLock<Vec<Judge>> = LazyLock::new(|| {
-    let judges = TRAINED.as_chunks().0.chunks_exact(Judge::NUMBERS);
-    judges.map(|numbers| Judge::new(numbers.iter().copied().map(f32::from_le_bytes))).collect()
-});
-
-/// The judges, one for each round of choices, with or without the last one.
-fn judges(with_last: bool) -> &'static [Judge] {
-    let without = JUDGES.len().saturating_sub(1);
-    if with_last { &JUDGES } else { &JUDGES[..without] }
-}
-
-/// Lets every pixel of `scene` choose, into `out`; `certainty` says how sure the judge is, 1 where there
-/// is nothing to choose.
+/// Lets the pixels of some rows of `scene` choose, into `out`; `certainty`, which arrives as 1, says how
+/// sure the judge is where there is anything to choose. `windows` has the memory for as many rows as are worked on at
+/// once.
 fn choose(
     level: Level,
-    judge: &Judge,
+    (reach, judge): (&Reach, &Judge),
     scene: &Scene<'_>,
+    rows: Range<usize>,
+    windows: &mut [[Windows; 2]],
     certainty: &mut Plane<f32>,
     out: &mut Plane<f32>,
 ) -> Work {
-    let (columns, rows) = scene.values.size();
-    out.reset(columns, rows, 0.0);
-    certainty.reset(columns, rows, 1.0);
-    let certainty = certainty.samples_mut().par_chunks_mut(columns);
-    let rows = out.samples_mut().par_chunks_mut(columns).zip(certainty).enumerate();
-    let chosen = rows.map(|(y, (out, certainty))| {
-        let mut known = Known::default();
-        choose_row(level, judge, scene, y, &mut known, out, certainty)
+    let columns = scene.values.columns();
+    let height = rows.len().div_ceil(windows.len());
+    let samples = rows.start * columns..rows.end * columns;
+    let certainty = certainty.samples_mut()[samples.clone()].par_chunks_mut(columns * height);
+    let bands = out.samples_mut()[samples.clone()].par_chunks_mut(columns * height).zip(certainty);
+    let chosen = bands.zip(windows).enumerate().map(|(i, ((out, certainty), windows))| {
+        let lines = out.chunks_exact_mut(columns).zip(certainty.chunks_exact_mut(columns));
+        let chosen = (rows.start + i * height..).zip(lines).map(|(y, (out, certainty))| {
+            out.copy_from_slice(scene.values.row(y));
+            if !y.is_multiple_of(reach.every) {
+                return 0;
+            }
+            let compared = Compared::row(level, scene, windows, y);
+            choose_row(level, reach, judge, scene, &compared, y, out, certainty)
+        });
+        chosen.sum::<usize>()
     });
     // Values, slopes, confidence and the right view are read, the choice and its certainty written;
     // reasons, doubts and the looks of both views are bytes.
-    Work::bytes((4 * (5 + 2) + 2 + 2 * 3) * scene.values.samples().len())
-        + Work::operations(Judge::OPERATIONS) * chosen.sum::<usize>()
+    Work::bytes((4 * (5 + 2) + 2 + 2 * 3) * samples.len())
+        + Work::operations(judge.operations()) * chosen.sum::<usize>()
 }
 
 at_every_level! {
     /// Lets the pixels of row `y` choose; how many had a choice.
     fn choose_row(
+        reach: &Reach,
         judge: &Judge,
         scene: &Scene<'_>,
+        compared: &Compared<'_>,
         y: usize,
-        known: &mut Known,
         out: &mut [f32],
         certainty: &mut [f32],
     ) -> usize {
-        let mut chosen = 0;
-        out.copy_from_slice(scene.values.row(y));
-        for x in 0..out.len() {
-            if scene.know(x, y, known) {
-                let verdict = judge.decide(known);
-                (out[x], certainty[x]) = (verdict.disparity, verdict.certainty);
-                chosen += 1;
+        let [mut block, mut asked] = [Block::new(), Block::new()];
+        let mut mind = Mind::new();
+        let (mut chosen, mut waiting) = (0, 0);
+        for x in (0..out.len()).step_by(LANES) {
+            if block.find(scene, reach, x, y) {
+                block.look(scene);
+            } else {
+                block.open = [false; LANES];
+            }
+            let last = x + LANES >= out.len();
+            for l in 0..LANES {
+                if block.open[l] && (x + l).is_multiple_of(reach.every) {
+                    asked.take(waiting, &block, l);
+                    waiting += 1;
+                }
+                // Those of few blocks have a choice: judges are asked when there are enough.
+                let enough = waiting == LANES || (last && l + 1 == LANES);
+                if waiting > 0 && enough {
+                    decide(judge, scene.given, compared, &mut asked, &mut mind, waiting, out, certainty);
+                    chosen += waiting;
+                    waiting = 0;
+                }
             }
         }
         chosen
+    }
+}
+
+/// Lets the first of `asked` choose; the others are of no interest.
+#[inline(always)]
+fn decide(
+    judge: &Judge,
+    given: &Given<'_>,
+    compared: &Compared<'_>,
+    asked: &mut Block,
+    mind: &mut Mind,
+    count: usize,
+    out: &mut [f32],
+    certainty: &mut [f32],
+) {
+    asked.compare(given, compared);
+    judge.look(&asked.of_pixel, mind);
+    for k in 0..asked.candidates() {
+        judge.score(k, &asked.hints(given, compared, k), mind);
+    }
+    let verdict = verdict(asked, mind);
+    for l in 0..count {
+        let x = asked.columns[l];
+        (out[x], certainty[x]) = (verdict.disparity[l], verdict.certainty[l]);
     }
 }
 
@@ -98,11 +142,12 @@ at_every_level! {
 mod tests {
     use raster::Reason;
 
-    use super::edges::Edges;
+    use super::judge::Layers;
+    use super::reach::{NARROW, WIDE};
+    use super::strip::Strip;
     use super::*;
+    use crate::Preset;
     use crate::chance::Chance;
-    use crate::cost::looks::Looks;
-    use crate::refinement::slopes::Slopes;
 
     const COLUMNS: usize = 90;
     const ROWS: usize = 40;
@@ -113,13 +158,12 @@ mod tests {
     /// image are not mapped.
     struct World {
         values: Plane<f32>,
-        slopes: Slopes,
         reasons: Plane<Reason>,
         doubtful: Plane<bool>,
         confidence: Plane<f32>,
-        looks: [Looks; 2],
+        grey: [Plane<u8>; 2],
         right: Plane<f32>,
-        edges: Edges,
+        strip: Strip,
     }
 
     fn truth(x: usize) -> f32 {
@@ -142,37 +186,31 @@ mod tests {
                 let d = if (40..64).contains(&(x + 12)) { 12.0 } else { 4.0 };
                 shade(x + d as usize, y, d)
             });
-            let looks = [left, right].map(|image| {
-                let mut looks = Looks::default();
-                looks.compute(level, &image, 0, ROWS);
-                looks
-            });
-            let mut slopes = Slopes::default();
-            slopes.compute(level, &values);
-            let mut edges = Edges::default();
-            edges.compute(&looks[0], FIRST, COLUMNS);
-            Self {
-                edges,
-                slopes,
+            let mut world = Self {
                 reasons: values.map(|_| Reason::Matched),
                 doubtful: values.map(|_| false),
                 confidence: values.map(|_| 0.5),
-                looks,
+                grey: [left, right],
                 right: Plane::from_fn(WIDTH, ROWS, |m, _| {
                     let x = WIDTH - 1 - m;
                     if (40..64).contains(&(x + 12)) { 12.0 } else { 4.0 }
                 }),
+                strip: Strip::default(),
                 values,
-            }
+            };
+            let mut strip = Strip::default();
+            strip.compute(level, &world.given(), &WIDE, &world.values, &(0..ROWS));
+            world.strip = strip;
+            world
         }
 
         fn given(&self) -> Given<'_> {
             Given {
                 doubtful: &self.doubtful,
-                base: &self.looks[0],
-                other: &self.looks[1],
+                grey: self.grey.each_ref(),
                 right: &self.right,
                 first: FIRST,
+                top: 0,
                 least: 0.0,
                 most: 20.0,
             }
@@ -181,12 +219,22 @@ mod tests {
         fn scene<'a>(&'a self, given: &'a Given<'a>) -> Scene<'a> {
             Scene {
                 values: &self.values,
-                slopes: &self.slopes,
                 reasons: &self.reasons,
-                confidence: &self.confidence,
-                edges: &self.edges,
+                confidence: self.confidence.view(),
+                strip: &self.strip,
                 given,
             }
+        }
+
+        /// What a judge makes of it, with its certainty.
+        fn judged(&self, level: Level, judge: (&Reach, &Judge), threads: usize) -> [Plane<f32>; 2] {
+            let mut planes = [0.0, 1.0].map(|value| Plane::filled(COLUMNS, ROWS, value));
+            let mut windows = vec![Default::default(); threads];
+            let given = self.given();
+            let scene = self.scene(&given);
+            let [out, certainty] = &mut planes;
+            choose(level, judge, &scene, 0..ROWS, &mut windows, certainty, out);
+            planes
         }
     }
 
@@ -199,69 +247,74 @@ mod tests {
         let (x, y) = (66 - FIRST, 20);
         world.reasons.row_mut(y)[x] = Reason::MismatchedFilled;
         world.doubtful.row_mut(y)[x] = true;
-        let mut known = Known::default();
-        assert!(world.scene(&world.given()).know(x, y, &mut known));
+        let known = Known::of(Level::detect(), &world.scene(&world.given()), &WIDE, (x, y));
+        let known = known.expect("there is a choice");
         let at = |d: f32| known.disparities.iter().position(|&other| other == d).unwrap();
         let (own, wall) = (at(12.0), at(4.0));
         assert_eq!(own, 0);
-        // The wall lies 8 below: (sqrt(9) - 1) with its sign.
-        assert_eq!([0, 1].map(|i| known.of_each[i][wall]), [-2.0, 2.0]);
+        // The wall lies 8 below: 0.4 for each of three pixels and 0.05 for each of all.
+        assert_eq!([0, 1].map(|i| known.of_each[i][wall]), [-1.6, 1.6]);
         assert_eq!([2, 3, 4].map(|i| known.of_each[i][own]), [0.5, 1.0, 1.0]);
         assert_eq!([2, 3, 4].map(|i| known.of_each[i][wall]), [0.5, 0.0, 0.0]);
         assert!(known.of_each[6][wall] < known.of_each[6][own], "the wall fits better");
         assert_eq!(known.of_each[8][wall], 0.0);
         // The right view says 4 where the wall's match lies.
         assert_eq!([9, 10].map(|i| known.of_each[i][wall]), [0.0, 0.0]);
-        assert_eq!([13, 14].map(|i| known.of_each[i][wall]), [0.0, 2.0]);
-        assert_eq!(known.of_each[15], [0.0; CANDIDATES]);
+        assert_eq!([13, 14].map(|i| known.of_each[i][wall]), [0.0, 1.6]);
+        assert_eq!(known.of_each[15], [0.0; 32]);
         assert_eq!(known.of_each[17][0], 0.0);
-        let mut edges = known.of_each[17].iter().zip(known.inside).skip(1);
-        assert!(edges.all(|(&edges, inside)| !inside || edges > 0.0), "all of it is noise");
+        let mut edges = known.of_each[17].iter().zip(&known.inside).skip(1);
+        assert!(edges.all(|(&edges, &inside)| !inside || edges > 0.0), "all of it is noise");
         assert_eq!(known.of_pixel[..5], [0.5, 0.0, 1.0, 0.0, 1.0]);
         let inside = known.inside.iter().filter(|&&inside| inside).count() as f32;
         assert!(inside < 32.0, "some lie above and below the map");
         let votes: f32 = known.of_each[11][wall] + known.of_each[11][own];
-        assert!(votes > 1.5 && votes <= 3.0 * inside / 32.0, "most say one or the other: {votes}");
+        assert!(votes > 1.5 && votes <= 3.0, "most say one or the other: {votes}");
     }
 
     #[test]
     fn flat_ground_and_settled_matches_have_nothing_to_choose() {
-        let mut known = Known::default();
+        let has_choice = |world: &World, pixel| {
+            Known::of(Level::detect(), &world.scene(&world.given()), &WIDE, pixel).is_some()
+        };
         let flat = World::new(Plane::filled(COLUMNS, ROWS, 4.0));
-        assert!(!flat.scene(&flat.given()).know(30, 20, &mut known));
+        assert!(!has_choice(&flat, (30, 20)));
         // The edge is twelve columns away: only pixels that were filled, or in doubt, look that far.
         let mut world =
             World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| if x < 40 { 4.0 } else { 12.0 }));
-        assert!(!world.scene(&world.given()).know(52, 20, &mut known));
+        assert!(!has_choice(&world, (52, 20)));
         world.doubtful.row_mut(20)[52] = true;
-        assert!(world.scene(&world.given()).know(52, 20, &mut known));
+        assert!(has_choice(&world, (52, 20)));
     }
 
     #[test]
     fn every_level_and_number_of_threads_chooses_the_same() {
         let mut chance = Chance(9);
-        let numbers: Vec<f32> = (0..Judge::NUMBERS).map(|_| chance.share() - 0.5).collect();
-        let judge = Judge::new(numbers);
+        let shapes =
+            [(&NARROW, Layers { first: 8, second: 4 }), (&WIDE, Layers { first: 32, second: 16 })];
+        let judges = shapes.map(|(reach, layers)| {
+            let numbers: Vec<f32> =
+                (0..Judge::numbers(reach, layers)).map(|_| chance.share() - 0.5).collect();
+            (reach, Judge::new(reach, layers, numbers))
+        });
         let mut world = World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| {
             truth(x + FIRST) + 3.0 * chance.share()
         }));
         for (i, reason) in world.reasons.samples_mut().iter_mut().enumerate() {
             *reason = [Reason::Matched, Reason::OccludedFilled, Reason::OutsideRightFilled][i % 3];
         }
-        let choices = |level, threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let [mut certainty, mut out] = [Plane::default(), Plane::default()];
-            pool.install(|| {
-                choose(level, &judge, &world.scene(&world.given()), &mut certainty, &mut out)
-            });
-            (certainty, out)
-        };
-        let expected = choices(Level::available()[0], 1);
-        assert!(expected.1 != world.values, "nothing was chosen");
-        assert!(expected.0.samples().iter().all(|sure| (0.0..=1.0).contains(sure)));
-        for level in Level::available() {
-            eprintln!("level {}", level.name());
-            assert!(choices(level, 2) == expected);
+        for (reach, judge) in &judges {
+            let choices = |level, threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| world.judged(level, (*reach, judge), threads))
+            };
+            let expected = choices(Level::available()[0], 1);
+            assert!(expected[0] != world.values, "nothing was chosen");
+            assert!(expected[1].samples().iter().all(|sure| (0.0..=1.0).contains(sure)));
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                assert!(choices(level, 2) == expected);
+            }
         }
     }
 
@@ -276,22 +329,21 @@ mod tests {
                 world.reasons.row_mut(y)[64 - FIRST..70 - FIRST].fill(Reason::OccludedFilled);
                 world.confidence.row_mut(y)[64 - FIRST..70 - FIRST].fill(0.0);
             }
-            let [mut certainty, mut out] = [Plane::default(), Plane::default()];
-            choose(
-                Level::detect(),
-                &judges(true)[0],
-                &world.scene(&world.given()),
-                &mut certainty,
-                &mut out,
-            );
             let wrong = |values: &Plane<f32>| {
                 let rows = 5..ROWS - 5;
                 let pixels = rows.flat_map(|y| (0..COLUMNS).map(move |x| (x, y)));
                 pixels.filter(|&(x, y)| (values.row(y)[x] - truth(x + FIRST)).abs() > 2.0).count()
             };
-            let [before, after] = [&world.values, &out].map(wrong);
-            eprintln!("texture {texture}: of {before} wrong pixels {after} are left");
-            assert!((after as f32) < most * before as f32, "{after} of {before}");
+            for preset in [Preset::Balanced, Preset::Best] {
+                let jury = Jury::of(preset);
+                // Every pixel is asked.
+                let reach = Reach { every: 1, ..*jury.reach };
+                let judge = (&reach, &jury.judges(true)[0]);
+                let [out, _] = world.judged(Level::detect(), judge, 1);
+                let [before, after] = [&world.values, &out].map(wrong);
+                eprintln!("{preset}, texture {texture}: of {before} wrong pixels {after} are left");
+                assert!((after as f32) < most * before as f32, "{preset}: {after} of {before}");
+            }
         }
     }
 }

@@ -1,59 +1,70 @@
 //! The rounds of choices: one for each judge.
 
-use raster::{Plane, Reason};
+use raster::{Plane, Reason, View};
 use rayon::prelude::*;
 
-use super::candidates::{Given, Scene};
-use super::edges::Edges;
+use super::between::follow;
+use super::block::{Given, Scene};
+use super::choose;
+use super::jury::Jury;
 use super::lesson::Lesson;
-use super::{choose, judges};
+use super::strip::Strip;
+use super::windows::Windows;
 use crate::kernels::level::Level;
 use crate::profile::Work;
 use crate::refinement::median::median_of_map;
 use crate::refinement::row_fill::filled;
-use crate::refinement::slopes::Slopes;
 use crate::selection::cross_check::ViewMap;
 
 /// A match whose disparity changed by more, in pixels, is not confirmed any more.
 const CONFIRMED: f32 = 1.0;
 
-/// The memory of the rounds, kept between frames.
-#[derive(Default)]
+/// The rounds of a jury with their memory, kept between frames.
 pub(crate) struct Choices {
-    /// How sure pixels are: confidence at first, then what the last judge said.
+    jury: &'static Jury,
+    /// How sure pixels are: what the last judge said.
     certainty: Plane<f32>,
     /// The same after the round that runs.
     next: Plane<f32>,
-    edges: Edges,
+    strip: Strip,
+    /// Of the rows that are worked on.
+    windows: Vec<[Windows; 2]>,
     /// Where judges are taught: what is known when those that there are have spoken.
     lesson: Option<Lesson>,
 }
 
 impl Choices {
-    /// What they take for a map of so many pixels.
-    pub fn bytes(pixels: usize) -> usize {
-        2 * size_of::<f32>() * pixels + Edges::bytes(pixels)
+    /// What they take for a map of so many columns and rows, in images of a width.
+    pub fn bytes(jury: &Jury, (columns, rows): (usize, usize), width: usize) -> usize {
+        let certainty = jury.judges(true).len().min(2) * size_of::<f32>() * columns * rows;
+        let windows = 2 * rayon::current_num_threads() * Windows::bytes(width);
+        certainty + Strip::bytes(columns, rows, width, jury.reach) + windows
+    }
+
+    pub fn new(jury: &'static Jury) -> Self {
+        Self {
+            jury,
+            certainty: Plane::default(),
+            next: Plane::default(),
+            strip: Strip::default(),
+            windows: Vec::new(),
+            lesson: None,
+        }
+    }
+
+    /// Who judges.
+    pub fn jury(&self) -> &'static Jury {
+        self.jury
     }
 
     /// With a lesson to be learned from the first frame.
-    pub fn teaching(lesson: Lesson) -> Self {
-        Self { lesson: Some(lesson), ..Self::default() }
+    pub fn teaching(self, lesson: Lesson) -> Self {
+        Self { lesson: Some(lesson), ..self }
     }
 
     /// The lesson, learned.
     pub fn into_lesson(self) -> Option<Lesson> {
         self.lesson
-    }
-
-    /// Takes the confidence of a map's rows.
-    pub fn begin<'a>(
-        &mut self,
-        (columns, rows): (usize, usize),
-        confidence: impl Iterator<Item = &'a [f32]>,
-    ) {
-        self.certainty.reset(columns, rows, 0.0);
-        let to = self.certainty.samples_mut().chunks_exact_mut(columns);
-        to.zip(confidence).for_each(|(to, from)| to.copy_from_slice(from));
     }
 
     /// How sure the last judge was, pixel after pixel.
@@ -68,31 +79,53 @@ impl Choices {
         level: Level,
         with_last: bool,
         given: &Given<'_>,
-        slopes: &mut Slopes,
+        confidence: View<'_, f32>,
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
-        let Self { certainty, next, edges, lesson } = self;
+        let Self { jury, certainty, next, strip, windows, lesson } = self;
+        let reach = jury.reach;
+        windows.resize_with(rayon::current_num_threads(), Default::default);
         let ViewMap { values: other, reasons, .. } = map;
-        let mut done = edges.compute(given.base, given.first, values.columns());
-        let lessons = lesson.as_mut().map(Err);
-        for (round, judge) in judges(with_last).iter().map(Ok).chain(lessons).enumerate() {
-            if round > 0 {
-                done = done + median_of_map(level, values, other);
-                std::mem::swap(values, other);
-            }
-            done = done + slopes.compute(level, values);
-            let scene = Scene { values, slopes, reasons, confidence: certainty, edges, given };
-            match judge {
-                Ok(judge) => done = done + choose(level, judge, &scene, next, other),
-                Err(lesson) => {
-                    lesson.learn(&scene);
-                    break;
+        let (columns, rows) = values.size();
+        let mut done = Work::bytes(0);
+        for (round, judge) in jury.judges(with_last).iter().enumerate() {
+            match round {
+                // What the last frame left is not read any more: a single round needs one plane.
+                0 => std::mem::swap(certainty, next),
+                _ => {
+                    done = done + median_of_map(level, values, other);
+                    std::mem::swap(values, other);
                 }
+            }
+            next.reset(columns, rows, 1.0);
+            other.reset(columns, rows, 0.0);
+            let confidence = if round == 0 { confidence } else { certainty.view() };
+            for rows in Strip::all(rows) {
+                done = done + strip.compute(level, given, reach, values, &rows);
+                let scene = Scene { values, reasons, confidence, strip, given };
+                done = done + choose(level, (reach, judge), &scene, rows, windows, next, other);
+            }
+            if reach.every > 1 {
+                done = done + follow(level, given, values, next, other);
             }
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
             done = done + unconfirm(given, other, values, reasons);
+        }
+        if let Some(lesson) = lesson {
+            let rounds = jury.judges(with_last).len();
+            if rounds > 0 {
+                median_of_map(level, values, other);
+                std::mem::swap(values, other);
+            }
+            let confidence = if rounds == 0 { confidence } else { certainty.view() };
+            let pixels = lesson.pick(values);
+            for rows in Strip::all(rows) {
+                strip.compute(level, given, reach, values, &rows);
+                let scene = Scene { values, reasons, confidence, strip, given };
+                lesson.learn(level, &scene, reach, &pixels, &rows);
+            }
         }
         done
     }
@@ -106,7 +139,7 @@ fn unconfirm(
     now: &Plane<f32>,
     reasons: &mut Plane<Reason>,
 ) -> Work {
-    let (columns, width) = (now.columns(), given.base.columns());
+    let (columns, width) = (now.columns(), given.grey[0].columns());
     let rows = reasons.samples_mut().par_chunks_mut(columns).enumerate();
     rows.for_each(|(y, reasons)| {
         let values = before.row(y).iter().zip(now.row(y));

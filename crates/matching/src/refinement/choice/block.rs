@@ -1,0 +1,482 @@
+//! What pixels can choose from, and what is known of each candidate.
+//!
+//! Candidates are the planes of a pixel itself and of others around it, continued to where it lies.
+//! Neighbours of one row are worked on together: what they look at lies side by side too.
+
+use raster::{Plane, Reason, View};
+
+use super::reach::{MOST, Place, Reach};
+use super::strip::Strip;
+use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
+use crate::kernels::level::Level;
+
+/// Pixels that are worked on together.
+pub(crate) const LANES: usize = 16;
+/// One number for each of them.
+pub(crate) type Lanes = [f32; LANES];
+
+/// What is known of each candidate, in the order of [`Hints`].
+pub const OF_EACH: usize = 20;
+/// What is known of the pixel, in the order of [`Block::of_pixel`].
+pub const OF_PIXEL: usize = 6;
+
+/// What is known of a candidate:
+/// 0, 1: how far it lies from what the pixel has, with sign and without;
+/// 2 to 4: of where it comes from: confidence, whether filled, whether in doubt;
+/// 5: the difference of grey to there;
+/// 6 to 8: how badly the match fits: census and grey steps of the window, census of the pixel;
+/// 9, 10: how far the right view's disparity at the match lies from it;
+/// 11, 12: the share of candidates that say the same, and that of those of the same shade;
+/// 13, 14: how far it lies from the smallest and from the largest one;
+/// 15: whether the match lies outside the right image;
+/// 16: how steep its plane is;
+/// 17: how much the grey changes on the way to there;
+/// 18, 19: the share of candidates that say the same among the confident ones, and among those
+/// that no edge parts from the pixel.
+pub(super) type Hints = [Lanes; OF_EACH];
+
+/// Candidates within so many pixels of disparity say the same.
+const SAME: f32 = 1.0;
+
+/// What is known of the images and of both views, and stays as it is.
+pub(crate) struct Given<'a> {
+    /// Where descriptors were asked; empty where nowhere.
+    pub doubtful: &'a Plane<bool>,
+    /// Both images.
+    pub grey: [&'a Plane<u8>; 2],
+    /// The disparities of the right view, in a mirror.
+    pub right: &'a Plane<f32>,
+    /// The column and the row of the image at which the map begins.
+    pub first: usize,
+    pub top: usize,
+    pub least: f32,
+    pub most: f32,
+}
+
+/// A map without holes, and all that is known of it.
+pub(crate) struct Scene<'a> {
+    pub values: &'a Plane<f32>,
+    pub reasons: &'a Plane<Reason>,
+    pub confidence: View<'a, f32>,
+    /// Around the rows that are worked on.
+    pub strip: &'a Strip,
+    pub given: &'a Given<'a>,
+}
+
+/// A row of both images that pixels are compared with.
+#[derive(Clone, Copy)]
+pub(super) struct Compared<'a> {
+    pub base: &'a [Window],
+    pub other: &'a [Window],
+    /// The disparities of the right view, in a mirror.
+    pub right: &'a [f32],
+}
+
+impl<'a> Compared<'a> {
+    /// Row `y`, with the windows of either image.
+    pub fn row(
+        level: Level,
+        scene: &Scene<'a>,
+        [base, other]: &'a mut [Windows; 2],
+        y: usize,
+    ) -> Self {
+        let strip = scene.strip;
+        base.compute(level, &strip.base, strip.row(y));
+        other.compute(level, &strip.other, strip.row(y));
+        Self { base: base.get(), other: other.get(), right: scene.given.right.row(y) }
+    }
+}
+
+/// Pixels of a row, their candidates and what is known of them. Neighbours first: then those that have
+/// a choice are [taken](Block::take) into another block, where more is asked.
+pub(super) struct Block {
+    y: usize,
+    /// Where the pixels lie in the map.
+    pub columns: [usize; LANES],
+    places: &'static [Place],
+    /// Of the candidates' planes, where the pixels lie.
+    pub disparities: [Lanes; MOST],
+    /// 1 where they come from inside the map, else 0.
+    pub inside: [Lanes; MOST],
+    /// Whether there is a choice.
+    pub open: [bool; LANES],
+    here: Lanes,
+    smallest: Lanes,
+    largest: Lanes,
+    steep: [Lanes; MOST],
+    confidence: [Lanes; MOST],
+    filled: [Lanes; MOST],
+    doubt: [Lanes; MOST],
+    shade: [Lanes; MOST],
+    edges: [Lanes; MOST],
+    /// How far candidates are to be heard.
+    heard: [[Lanes; VOTES]; MOST],
+    votes: [[Lanes; VOTES]; MOST],
+    windows: Several,
+    /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
+    pub of_pixel: [Lanes; OF_PIXEL],
+}
+
+/// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
+const VOTES: usize = 4;
+
+const NONE: Lanes = [0.0; LANES];
+
+impl Block {
+    pub fn new() -> Self {
+        Self {
+            y: 0,
+            columns: [0; LANES],
+            places: &[],
+            disparities: [NONE; MOST],
+            inside: [NONE; MOST],
+            open: [false; LANES],
+            here: NONE,
+            smallest: NONE,
+            largest: NONE,
+            steep: [NONE; MOST],
+            confidence: [NONE; MOST],
+            filled: [NONE; MOST],
+            doubt: [NONE; MOST],
+            shade: [NONE; MOST],
+            edges: [NONE; MOST],
+            heard: [[NONE; VOTES]; MOST],
+            votes: [[NONE; VOTES]; MOST],
+            windows: Several::NONE,
+            of_pixel: [NONE; OF_PIXEL],
+        }
+    }
+
+    /// With candidates of the map.
+    #[cfg(test)]
+    pub fn of(reach: &Reach, disparities: [Lanes; MOST]) -> Self {
+        Self { places: reach.places, disparities, inside: [[1.0; LANES]; MOST], ..Self::new() }
+    }
+
+    /// How many candidates a pixel has.
+    #[inline(always)]
+    pub fn candidates(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Finds the candidates of the pixels from `(x, y)` on; says whether any has a choice.
+    #[inline(always)]
+    pub fn find(&mut self, scene: &Scene<'_>, reach: &Reach, x: usize, y: usize) -> bool {
+        (self.y, self.places) = (y, reach.places);
+        for l in 0..LANES {
+            self.columns[l] = x + l;
+        }
+        let (columns, rows) = scene.values.size();
+        let (least, most) = (scene.given.least, scene.given.most);
+        self.here = run(scene.values.row(y), x as i64);
+        let here = self.here;
+        let settled = settled(scene, x, y);
+        let (mut smallest, mut largest) = (here, here);
+        let mut undecided = [false; LANES];
+        for (k, place) in reach.places.iter().enumerate() {
+            let (u, v) = (x as i64 + i64::from(place.columns), y as i64 + i64::from(place.rows));
+            let disparities = &mut self.disparities[k];
+            if (0..rows as i64).contains(&v) {
+                let (v, in_strip) = (v as usize, scene.strip.row(v as usize));
+                let values = run(scene.values.row(v), u);
+                let along = run(scene.strip.slopes.along.row(in_strip), u);
+                let down = run(scene.strip.slopes.down.row(in_strip), u);
+                let (dx, dy) = (place.columns as f32, place.rows as f32);
+                let inside = inside(u, columns);
+                for l in 0..LANES {
+                    let d = values[l] - (along[l] * dx + down[l] * dy);
+                    let d = if inside[l] > 0.0 { d } else { here[l] };
+                    let d = if d < least { least } else { d };
+                    disparities[l] = if d > most { most } else { d };
+                    self.steep[k][l] = along[l].abs() + down[l].abs();
+                }
+                self.inside[k] = inside;
+            } else {
+                self.inside[k] = NONE;
+                for l in 0..LANES {
+                    let d = if here[l] < least { least } else { here[l] };
+                    disparities[l] = if d > most { most } else { d };
+                }
+            }
+            for l in 0..LANES {
+                let d = disparities[l];
+                smallest[l] = if d < smallest[l] { d } else { smallest[l] };
+                largest[l] = if d > largest[l] { d } else { largest[l] };
+            }
+            if k + 1 == reach.inner {
+                let mut any = false;
+                for l in 0..LANES {
+                    undecided[l] = !settled[l] | (largest[l] - smallest[l] > reach.settled);
+                    any |= undecided[l];
+                }
+                if !any {
+                    return false;
+                }
+            }
+        }
+        (self.smallest, self.largest) = (smallest, largest);
+        let mut any = false;
+        for l in 0..LANES {
+            let open = undecided[l] & (largest[l] - smallest[l] > reach.choice) & (x + l < columns);
+            self.open[l] = open;
+            any |= open;
+        }
+        any
+    }
+
+    /// Looks at the pixels and at where their candidates come from.
+    #[inline(always)]
+    pub fn look(&mut self, scene: &Scene<'_>) {
+        let (x, y) = (self.columns[0] as i64, self.y);
+        let Scene { strip, given, .. } = scene;
+        let grey_here = run(strip.base.row(strip.row(y))[2], given.first as i64 + x);
+        for (k, place) in self.places.iter().enumerate() {
+            let (u, v) = (x + i64::from(place.columns), y as i64 + i64::from(place.rows));
+            let v = if (0..scene.values.rows() as i64).contains(&v) { v as usize } else { y };
+            let reasons = run(scene.reasons.row(v), u);
+            let grey = run(strip.base.row(strip.row(v))[2], given.first as i64 + u);
+            let sums_here = run(strip.edges.row(place.way, strip.row(y)), x);
+            let sums = run(strip.edges.row(place.way, strip.row(v)), u);
+            self.confidence[k] = run(scene.confidence.row(v), u);
+            self.doubt[k] = doubt(given, u, v);
+            for l in 0..LANES {
+                self.filled[k][l] = share(reasons[l] != Reason::Matched);
+                self.shade[k][l] = f32::from(grey[l].abs_diff(grey_here[l])) * 0.05;
+                let edges = (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs();
+                self.edges[k][l] = bent(f32::from(edges) * 0.05);
+            }
+        }
+        self.of_pixel[0] = self.confidence[0];
+        let reasons = run(scene.reasons.row(y), x);
+        for l in 0..LANES {
+            self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
+            self.of_pixel[2][l] = share(reasons[l] == Reason::MismatchedFilled);
+            self.of_pixel[3][l] = share(reasons[l] == Reason::OutsideRightFilled);
+        }
+        self.of_pixel[4] = self.doubt[0];
+    }
+
+    /// Takes a pixel of another block, with all that was seen of it.
+    #[inline(always)]
+    pub fn take(&mut self, to: usize, other: &Block, from: usize) {
+        (self.y, self.places) = (other.y, other.places);
+        self.columns[to] = other.columns[from];
+        self.here[to] = other.here[from];
+        self.smallest[to] = other.smallest[from];
+        self.largest[to] = other.largest[from];
+        for i in 0..OF_PIXEL {
+            self.of_pixel[i][to] = other.of_pixel[i][from];
+        }
+        for k in 0..other.places.len() {
+            self.disparities[k][to] = other.disparities[k][from];
+            self.inside[k][to] = other.inside[k][from];
+            self.steep[k][to] = other.steep[k][from];
+            self.confidence[k][to] = other.confidence[k][from];
+            self.filled[k][to] = other.filled[k][from];
+            self.doubt[k][to] = other.doubt[k][from];
+            self.shade[k][to] = other.shade[k][from];
+            self.edges[k][to] = other.edges[k][from];
+        }
+    }
+
+    /// Compares the pixels' windows and the candidates with each other; then hints can be asked for.
+    #[inline(always)]
+    pub fn compare(&mut self, given: &Given<'_>, compared: &Compared<'_>) {
+        let mut columns = [0; LANES];
+        for l in 0..LANES {
+            columns[l] = given.first + self.columns[l];
+        }
+        self.windows = Several::at(compared.base, &columns);
+        let textures = self.windows.textures();
+        for l in 0..LANES {
+            self.of_pixel[5][l] = textures[l] * (1.0 / (10 * STEPS) as f32);
+        }
+        self.count_votes();
+    }
+
+    /// Counts the candidates that say the same, each weighed by how far it is to be heard.
+    #[inline(always)]
+    fn count_votes(&mut self) {
+        let n = self.places.len();
+        let heard = &mut self.heard;
+        let mut all = [NONE; VOTES];
+        for k in 0..n {
+            for l in 0..LANES {
+                let inside = self.inside[k][l];
+                // Of the same shade: 1 to 0 over 16 grey values.
+                let shade = 1.0 - self.shade[k][l] * 1.25;
+                let shade = if shade < 0.05 { 0.05 } else { shade };
+                let edges = self.edges[k][l];
+                heard[k][0][l] = inside;
+                heard[k][1][l] = inside * shade;
+                heard[k][2][l] = inside * (self.confidence[k][l] + 0.01);
+                heard[k][3][l] = inside / (1.0 + edges * edges);
+            }
+            for vote in 0..VOTES {
+                for l in 0..LANES {
+                    all[vote][l] += heard[k][vote][l];
+                }
+            }
+            self.votes[k] = heard[k];
+        }
+        let heard = &self.heard;
+        for k in 1..n {
+            let [mut a, mut b, mut c, mut d] = self.votes[k];
+            let heard_here = heard[k];
+            let disparities = self.disparities[k];
+            for i in 0..k {
+                let mut same = NONE;
+                for l in 0..LANES {
+                    same[l] = share((self.disparities[i][l] - disparities[l]).abs() < SAME);
+                }
+                add(&same, &heard[i][0], &mut a);
+                add(&same, &heard[i][1], &mut b);
+                add(&same, &heard[i][2], &mut c);
+                add(&same, &heard[i][3], &mut d);
+                // Written out: a loop over the kinds would be taken for the one to work on together.
+                let [there_a, there_b, there_c, there_d] = &mut self.votes[i];
+                add(&same, &heard_here[0], there_a);
+                add(&same, &heard_here[1], there_b);
+                add(&same, &heard_here[2], there_c);
+                add(&same, &heard_here[3], there_d);
+            }
+            self.votes[k] = [a, b, c, d];
+        }
+        for vote in 0..VOTES {
+            let mut scale = NONE;
+            for l in 0..LANES {
+                scale[l] = 3.0 / all[vote][l];
+            }
+            for k in 0..n {
+                for l in 0..LANES {
+                    self.votes[k][vote][l] *= scale[l];
+                }
+            }
+        }
+    }
+
+    /// What is known of candidate `k`.
+    #[inline(always)]
+    pub fn hints(&self, given: &Given<'_>, compared: &Compared<'_>, k: usize) -> Hints {
+        let mut hints = [NONE; OF_EACH];
+        let disparities = &self.disparities[k];
+        let width = compared.other.len();
+        let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
+        for l in 0..LANES {
+            let column = (given.first + self.columns[l]) as i32 - nearest(disparities[l]);
+            let last = width as i32 - 1;
+            let inside = if column < 0 { 0 } else { column };
+            let inside = if inside > last { last } else { inside };
+            outside[l] = share(inside != column);
+            at[l] = inside as usize;
+            mirrored[l] = (last - inside) as usize;
+        }
+        let Fits { bits, bits_here, steps } = self.windows.fit(&Several::at(compared.other, &at));
+        let mut right = NONE;
+        for l in 0..LANES {
+            right[l] = compared.right[mirrored[l]];
+        }
+        for l in 0..LANES {
+            let apart = disparities[l] - self.here[l];
+            hints[0][l] = bent(apart);
+            hints[1][l] = bent(apart).abs();
+            hints[6][l] = bits[l] * (2.0 / BITS as f32);
+            hints[7][l] = steps[l] * (1.0 / (10 * STEPS) as f32);
+            hints[8][l] = bits_here[l] * 0.25;
+            let right = if outside[l] > 0.0 { 0.0 } else { right[l] - disparities[l] };
+            hints[9][l] = bent(right);
+            hints[10][l] = bent(right).abs();
+            hints[13][l] = bent(disparities[l] - self.smallest[l]);
+            hints[14][l] = bent(self.largest[l] - disparities[l]);
+            hints[16][l] = 2.0 * self.steep[k][l];
+        }
+        [hints[2], hints[3], hints[4]] = [self.confidence[k], self.filled[k], self.doubt[k]];
+        [hints[5], hints[15], hints[17]] = [self.shade[k], outside, self.edges[k]];
+        [hints[11], hints[12], hints[18], hints[19]] = self.votes[k];
+        hints
+    }
+}
+
+/// Differences of disparity as a judge sees them: what is large counts less.
+#[inline(always)]
+fn bent(difference: f32) -> f32 {
+    let far = difference.abs();
+    let near = if far < 3.0 { far } else { 3.0 };
+    let far = if far < 48.0 { far } else { 48.0 };
+    (0.4 * near + 0.05 * far).copysign(difference)
+}
+
+/// Adds products.
+#[inline(always)]
+fn add(by: &Lanes, what: &Lanes, to: &mut Lanes) {
+    let mut sums = *to;
+    for l in 0..LANES {
+        sums[l] += by[l] * what[l];
+    }
+    *to = sums;
+}
+
+#[inline(always)]
+fn share(is: bool) -> f32 {
+    if is { 1.0 } else { 0.0 }
+}
+
+/// The whole number nearest to one that is not large.
+#[inline(always)]
+pub(super) fn nearest(number: f32) -> i32 {
+    /// Adding it leaves no room for a fraction.
+    const ROUNDING: f32 = 12_582_912.0;
+    (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
+}
+
+/// The samples of a row from `start` on; beyond its ends the row is repeated.
+#[inline(always)]
+fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
+    match row.get(start as usize..).and_then(|row| row.first_chunk()) {
+        Some(run) => *run,
+        None => run_at_end(row, start),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
+    std::array::from_fn(|l| row[(start + l as i64).clamp(0, row.len() as i64 - 1) as usize])
+}
+
+/// 1 for the columns from `start` on that lie inside a row of so many, 0 for others.
+#[inline(always)]
+fn inside(start: i64, columns: usize) -> Lanes {
+    let mut inside = [1.0; LANES];
+    if start < 0 || start + LANES as i64 > columns as i64 {
+        for l in 0..LANES {
+            inside[l] = share((0..columns as i64).contains(&(start + l as i64)));
+        }
+    }
+    inside
+}
+
+/// 1 where descriptors were asked, else 0.
+#[inline(always)]
+fn doubt(given: &Given<'_>, u: i64, v: usize) -> Lanes {
+    let mut doubt = NONE;
+    if !given.doubtful.samples().is_empty() {
+        let doubtful = run(given.doubtful.row(v), u);
+        for l in 0..LANES {
+            doubt[l] = share(doubtful[l]);
+        }
+    }
+    doubt
+}
+
+/// Whether both views agreed on the pixels whenever they were asked.
+#[inline(always)]
+fn settled(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
+    let reasons = run(scene.reasons.row(y), x as i64);
+    let doubt = doubt(scene.given, x as i64, y);
+    let mut settled = [false; LANES];
+    for l in 0..LANES {
+        settled[l] = (reasons[l] == Reason::Matched) & (doubt[l] == 0.0);
+    }
+    settled
+}

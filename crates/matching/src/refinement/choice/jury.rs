@@ -1,0 +1,46 @@
+//! The judges of a preset: one for each round of choices.
+
+use std::sync::LazyLock;
+
+use super::judge::{Judge, Layers};
+use super::reach::{NARROW, Reach, WIDE};
+use crate::Preset;
+
+/// Judges who look at the same candidates.
+pub(crate) struct Jury {
+    pub reach: &'static Reach,
+    judges: Vec<Judge>,
+}
+
+static BALANCED: LazyLock<Jury> = LazyLock::new(|| {
+    Jury::new(&NARROW, Layers { first: 16, second: 8 }, include_bytes!("balanced.bin"))
+});
+static BEST: LazyLock<Jury> = LazyLock::new(|| {
+    Jury::new(&WIDE, Layers { first: 32, second: 16 }, include_bytes!("best.bin"))
+});
+
+impl Jury {
+    /// From the weights of the judges one after the other, 32-bit floats in the order of
+    /// [`Judge::new`]. `training/choice.py` makes them.
+    fn new(reach: &'static Reach, layers: Layers, trained: &[u8]) -> Self {
+        let judges = trained.as_chunks().0.chunks_exact(Judge::numbers(reach, layers));
+        let judge = |numbers: &[[u8; 4]]| {
+            Judge::new(reach, layers, numbers.iter().copied().map(f32::from_le_bytes))
+        };
+        Self { reach, judges: judges.map(judge).collect() }
+    }
+
+    /// That of `balanced`, or else that of `best`.
+    pub fn of(preset: Preset) -> &'static Self {
+        match preset {
+            Preset::Balanced => &BALANCED,
+            _ => &BEST,
+        }
+    }
+
+    /// The judges, with or without those after the first.
+    pub fn judges(&self, with_last: bool) -> &[Judge] {
+        let judges = if with_last { self.judges.len() } else { self.judges.len().min(1) };
+        &self.judges[..judges]
+    }
+}

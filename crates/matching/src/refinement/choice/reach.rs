@@ -1,0 +1,120 @@
+//! Where a pixel's candidates come from: rings of places around it, the inner ones first.
+
+use super::edges::way;
+
+/// The most candidates that a pixel has.
+pub(crate) const MOST: usize = 32;
+
+/// A place that a candidate comes from, seen from the pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub columns: i32,
+    pub rows: i32,
+    /// Which of the ways through the image leads there.
+    pub way: usize,
+}
+
+/// The places of all candidates of a pixel; the first is its own.
+#[derive(Debug)]
+pub(crate) struct Reach {
+    pub places: &'static [Place],
+    /// So many of them belong to the inner rings.
+    pub inner: usize,
+    /// A match that was never in doubt, and whose inner rings lie within so many pixels, is left alone.
+    pub settled: f32,
+    /// Where all candidates lie within so many pixels there is nothing to choose.
+    pub choice: f32,
+    /// Every so many-th pixel of every so many-th row is asked, 1 or 2: those between follow.
+    pub every: usize,
+}
+
+impl Reach {
+    /// How many rows it goes up or down.
+    pub fn rows(&self) -> usize {
+        self.places.iter().map(|place| place.rows.unsigned_abs() as usize).max().unwrap_or(0)
+    }
+}
+
+const fn places<const N: usize>(around: [(i32, i32); N]) -> [Place; N] {
+    assert!(N <= MOST);
+    let mut places = [Place { columns: 0, rows: 0, way: 0 }; N];
+    let mut k = 0;
+    while k < N {
+        let (columns, rows) = around[k];
+        places[k] = Place { columns, rows, way: way(around[k]) };
+        k += 1;
+    }
+    places
+}
+
+/// What `balanced` looks at: far along the row, where occluded pixels find their surface.
+pub(crate) static NARROW: Reach = Reach {
+    places: &const {
+        places([
+            (0, 0),
+            (3, 0),
+            (-3, 0),
+            (0, 3),
+            (0, -3),
+            (5, 5),
+            (-5, -5),
+            (5, -5),
+            (-5, 5),
+            (10, 0),
+            (-10, 0),
+            (0, 10),
+            (0, -10),
+            (24, 0),
+            (-24, 0),
+            (0, -24),
+        ])
+    },
+    inner: 5,
+    settled: 1.0,
+    choice: 2.0,
+    every: 2,
+};
+
+/// What `best` looks at.
+pub(crate) static WIDE: Reach = Reach {
+    places: &const {
+        places([
+            (0, 0),
+            (2, 0),
+            (-2, 0),
+            (0, 2),
+            (0, -2),
+            (3, 3),
+            (-3, -3),
+            (3, -3),
+            (-3, 3),
+            (5, 0),
+            (-5, 0),
+            (0, 5),
+            (0, -5),
+            (7, 7),
+            (-7, -7),
+            (7, -7),
+            (-7, 7),
+            (11, 0),
+            (-11, 0),
+            (0, 11),
+            (0, -11),
+            (15, 15),
+            (-15, -15),
+            (15, -15),
+            (-15, 15),
+            (24, 0),
+            (-24, 0),
+            (0, 24),
+            (0, -24),
+            (48, 0),
+            (-48, 0),
+            (0, -48),
+        ])
+    },
+    inner: 13,
+    settled: 1.0,
+    choice: 0.5,
+    every: 1,
+};

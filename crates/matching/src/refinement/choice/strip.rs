@@ -1,0 +1,126 @@
+//! What is seen around some rows of a map. Only so much is kept at once: a large image is worked on strip
+//! after strip.
+
+use std::ops::Range;
+
+use raster::Plane;
+
+use super::block::Given;
+use super::edges::Edges;
+use super::reach::Reach;
+use crate::cost::looks::Looks;
+use crate::kernels::level::Level;
+use crate::profile::Work;
+use crate::refinement::slopes::Slopes;
+
+/// So many rows are worked on at once.
+const HEIGHT: usize = 256;
+/// Windows reach so many rows beyond a pixel.
+const WINDOW: usize = 2;
+
+/// The looks of both images, the slopes of a map and the edges of the left image, in some of their rows.
+#[derive(Default)]
+pub(crate) struct Strip {
+    /// The row of the map at which it begins.
+    top: usize,
+    pub base: Looks,
+    pub other: Looks,
+    pub slopes: Slopes,
+    pub edges: Edges,
+}
+
+impl Strip {
+    /// What one takes of a map of so many columns and rows, in images of a width.
+    pub fn bytes(columns: usize, rows: usize, width: usize, reach: &Reach) -> usize {
+        let rows = Self::height(rows, reach);
+        2 * 3 * width * rows + 2 * size_of::<f32>() * columns * rows + Edges::bytes(columns * rows)
+    }
+
+    /// How many rows it has where the map has so many.
+    fn height(rows: usize, reach: &Reach) -> usize {
+        rows.min(HEIGHT + 2 * (reach.rows() + WINDOW))
+    }
+
+    /// The rows of a map, in strips that begin at even ones.
+    pub fn all(rows: usize) -> impl Iterator<Item = Range<usize>> {
+        (0..rows).step_by(HEIGHT).map(move |first| first..(first + HEIGHT).min(rows))
+    }
+
+    /// Looks at all that pixels of these rows reach.
+    pub fn compute(
+        &mut self,
+        level: Level,
+        given: &Given<'_>,
+        reach: &Reach,
+        values: &Plane<f32>,
+        rows: &Range<usize>,
+    ) -> Work {
+        // All strips have one height, so that memory is taken once.
+        let height = Self::height(values.rows(), reach);
+        let above = rows.start.saturating_sub(reach.rows() + WINDOW);
+        self.top = above.min(values.rows() - height);
+        let [base, other] = given.grey;
+        let (top, rows) = (given.top + self.top, self.top..self.top + height);
+        self.base.compute(level, base, top, height)
+            + self.other.compute(level, other, top, height)
+            + self.slopes.compute_rows(level, values, rows)
+            + self.edges.compute(level, &self.base, given.first, values.columns())
+    }
+
+    /// Where row `y` of the map lies in it.
+    #[inline(always)]
+    pub fn row(&self, y: usize) -> usize {
+        y - self.top
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::reach::{NARROW, WIDE};
+    use super::*;
+    use crate::chance::Chance;
+
+    #[test]
+    fn what_is_seen_does_not_depend_on_the_strip() {
+        let (columns, rows) = (30, 2 * HEIGHT + 90);
+        let mut chance = Chance(8);
+        let mut noise = |most: f32| Plane::from_fn(columns, rows, |_, _| most * chance.share());
+        let values = noise(30.0);
+        let [left, right] = [noise(255.0), noise(255.0)].map(|grey| grey.map(|&grey| grey as u8));
+        let given = Given {
+            doubtful: &Plane::default(),
+            grey: [&left, &right],
+            right: &values,
+            first: 3,
+            top: 0,
+            least: 0.0,
+            most: 60.0,
+        };
+        let part = Plane::from_fn(columns - 3, rows, |x, y| values.row(y)[x + 3]);
+        let level = Level::detect();
+        let (mut slopes, mut looks) = (Slopes::default(), [Looks::default(), Looks::default()]);
+        slopes.compute(level, &part);
+        for (looks, grey) in looks.iter_mut().zip(given.grey) {
+            looks.compute(level, grey, 0, rows);
+        }
+        for reach in [&NARROW, &WIDE] {
+            let mut strip = Strip::default();
+            let mut seen = 0;
+            for rows_of_strip in Strip::all(rows) {
+                assert!(rows_of_strip.start == seen && seen.is_multiple_of(2));
+                seen = rows_of_strip.end;
+                strip.compute(level, &given, reach, &part, &rows_of_strip);
+                let reached = rows_of_strip.start.saturating_sub(reach.rows())
+                    ..(rows_of_strip.end + reach.rows()).min(rows);
+                for y in reached {
+                    let row = strip.row(y);
+                    assert_eq!(strip.slopes.along.row(row), slopes.along.row(y));
+                    assert_eq!(strip.slopes.down.row(row), slopes.down.row(y));
+                    assert_eq!(strip.base.row(row), looks[0].row(y));
+                    assert_eq!(strip.other.row(row), looks[1].row(y));
+                }
+            }
+            assert_eq!(seen, rows);
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! How a pixel fits a match: what lies around it, in words that are compared at once.
+//!
+//! A pixel's window is one word of census bytes, those of eight pixels around it two columns and rows
+//! apart, and one word of its own census byte and of the grey steps of itself and the four nearest of
+//! the eight. Beyond the ends of an image its pixels are repeated.
+
+use super::block::{LANES, Lanes};
+use crate::cost::looks::{LARGEST_STEP, Looks};
+use crate::kernels::level::{Level, at_every_level};
+
+/// The pixels of a window stand so far apart.
+const APART: usize = 2;
+/// Steps in a window.
+pub(super) const STEPS: u32 = 5;
+/// The census bits in a window.
+pub(super) const BITS: u32 = 9 * 8;
+/// The bits of the second word that hold steps.
+const STEP_BYTES: u64 = 0xffff_ffff_ff00;
+/// A word times this has the sum of its bytes in its highest one.
+const ONES: u64 = 0x0101_0101_0101_0101;
+/// Where a grey value does not change along its row.
+const FLAT: u8 = 128;
+/// Steps beyond this are as much texture as this.
+const LARGEST_TEXTURE: u8 = 32;
+
+/// What lies around a pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Window {
+    census: u64,
+    rest: u64,
+}
+
+/// The windows of neighbouring pixels, or of their matches.
+#[derive(Clone, Copy)]
+pub(super) struct Several {
+    census: [u64; LANES],
+    rest: [[u8; 8]; LANES],
+}
+
+/// How well windows fit: numbers of bits and of grey levels.
+pub(super) struct Fits {
+    /// Census bits that differ, in all and of the pixel itself.
+    pub bits: Lanes,
+    pub bits_here: Lanes,
+    /// Differences of steps, each bounded.
+    pub steps: Lanes,
+}
+
+impl Several {
+    pub const NONE: Self = Self { census: [0; LANES], rest: [[0; 8]; LANES] };
+
+    /// The windows at these columns.
+    #[inline(always)]
+    pub fn at(windows: &[Window], columns: &[usize; LANES]) -> Self {
+        let mut several = Self::NONE;
+        for l in 0..LANES {
+            let window = &windows[columns[l]];
+            several.census[l] = window.census;
+            several.rest[l] = window.rest.to_le_bytes();
+        }
+        several
+    }
+
+    #[inline(always)]
+    pub fn fit(&self, other: &Self) -> Fits {
+        let mut fits = Fits { bits: [0.0; LANES], bits_here: [0.0; LANES], steps: [0.0; LANES] };
+        let mut steps = [[0; 8]; LANES];
+        for l in 0..LANES {
+            for i in 0..8 {
+                let step = self.rest[l][i].abs_diff(other.rest[l][i]);
+                steps[l][i] = if step < LARGEST_STEP { step } else { LARGEST_STEP };
+            }
+        }
+        for l in 0..LANES {
+            let around = (self.census[l] ^ other.census[l]).count_ones();
+            let here = (self.rest[l][0] ^ other.rest[l][0]).count_ones();
+            fits.bits[l] = (around + here) as f32;
+            fits.bits_here[l] = here as f32;
+            fits.steps[l] = sum(steps[l]);
+        }
+        fits
+    }
+
+    /// The sums of their grey steps, each bounded.
+    #[inline(always)]
+    pub fn textures(&self) -> Lanes {
+        let mut textures = [0.0; LANES];
+        for l in 0..LANES {
+            let mut steps = self.rest[l];
+            for step in &mut steps {
+                let high = step.abs_diff(FLAT);
+                *step = if high < LARGEST_TEXTURE { high } else { LARGEST_TEXTURE };
+            }
+            textures[l] = sum(steps);
+        }
+        textures
+    }
+}
+
+/// The sum of the bytes that hold steps; they are small.
+#[inline(always)]
+fn sum(bytes: [u8; 8]) -> f32 {
+    let bytes = u64::from_le_bytes(bytes) & STEP_BYTES;
+    (bytes.wrapping_mul(ONES) >> 56) as u32 as f32
+}
+
+/// The windows of a row of an image, and the memory that it takes to find them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Windows {
+    /// Census bytes and steps of the rows above, here and below, with their ends repeated.
+    rows: [[Vec<u8>; 2]; 3],
+    windows: Vec<Window>,
+}
+
+impl Windows {
+    /// What they take for a row of so many columns.
+    pub fn bytes(columns: usize) -> usize {
+        (size_of::<Window>() + 6) * columns
+    }
+
+    pub fn compute(&mut self, level: Level, image: &Looks, y: usize) {
+        let columns = image.columns();
+        let near = [y.saturating_sub(APART), y, (y + APART).min(image.rows() - 1)];
+        for (rows, y) in self.rows.iter_mut().zip(near) {
+            for (row, part) in rows.iter_mut().zip(image.row(y)) {
+                row.clear();
+                row.extend_from_slice(&[part[0]; APART]);
+                row.extend_from_slice(part);
+                row.extend_from_slice(&[part[columns - 1]; APART]);
+            }
+        }
+        self.windows.clear();
+        self.windows.resize(columns, Window::default());
+        let rows = self.rows.each_ref().map(|rows| rows.each_ref().map(|row| &row[..]));
+        windows_of_row(level, rows, &mut self.windows);
+    }
+
+    pub fn get(&self) -> &[Window] {
+        &self.windows
+    }
+}
+
+at_every_level! {
+    /// The windows of a row from those around it.
+    fn windows_of_row(rows: [[&[u8]; 2]; 3], windows: &mut [Window]) {
+        let columns = windows.len();
+        let [[above, steps_above], [here, steps_here], [below, steps_below]] = rows;
+        let [a, b, c] = [0, APART, 2 * APART].map(|column| &above[column..][..columns]);
+        let [d, e, f] = [0, APART, 2 * APART].map(|column| &here[column..][..columns]);
+        let [g, h, i] = [0, APART, 2 * APART].map(|column| &below[column..][..columns]);
+        let [left, own, right] = [0, APART, 2 * APART].map(|column| &steps_here[column..][..columns]);
+        let [up, down] = [steps_above, steps_below].map(|row| &row[APART..][..columns]);
+        for x in 0..columns {
+            windows[x] = Window {
+                census: word([a[x], b[x], c[x], d[x], f[x], g[x], h[x], i[x]]),
+                rest: word([e[x], own[x], left[x], right[x], up[x], down[x], 0, 0]),
+            };
+        }
+    }
+}
+
+/// A word of bytes, the first one lowest. Shifts are taken together for many words, bytes are not.
+#[inline(always)]
+fn word(bytes: [u8; 8]) -> u64 {
+    let mut word = 0;
+    for i in 0..8 {
+        word |= u64::from(bytes[i]) << (8 * i);
+    }
+    word
+}
+
+#[cfg(test)]
+mod tests {
+    use raster::Plane;
+
+    use super::*;
+    use crate::chance::Chance;
+
+    at_every_level! {
+        fn fits(base: &Several, other: &Several) -> (Fits, Lanes) {
+            (base.fit(other), base.textures())
+        }
+    }
+
+    #[test]
+    fn fits_are_those_of_pixel_after_pixel_at_every_level() {
+        let (columns, rows) = (37, 6);
+        let mut chance = Chance(4);
+        let images = [(); 2].map(|()| Plane::from_fn(columns, rows, |_, _| chance.bits(8) as u8));
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            let looks = images.each_ref().map(|image| {
+                let mut looks = Looks::default();
+                looks.compute(level, image, 0, rows);
+                looks
+            });
+            for y in [0, 3, 5] {
+                let windows = looks.each_ref().map(|looks| {
+                    let mut windows = Windows::default();
+                    windows.compute(level, looks, y);
+                    windows
+                });
+                let places = [(); 2].map(|()| {
+                    std::array::from_fn(|l| match l {
+                        0 => 0,
+                        1 => columns - 1,
+                        _ => (chance.share() * columns as f32) as usize,
+                    })
+                });
+                let [base, other] = [0, 1].map(|i| Several::at(windows[i].get(), &places[i]));
+                let (fits, textures) = fits(level, &base, &other);
+                for l in 0..LANES {
+                    let [x, there] = places.map(|places| places[l]);
+                    let (mut bits, mut here, mut steps, mut texture) = (0, 0, 0, 0);
+                    for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
+                        let of = |place: usize, by: i64, end: usize| {
+                            (place as i64 + 2 * by).clamp(0, end as i64 - 1) as usize
+                        };
+                        let row = of(y, dy, rows);
+                        let [a, b] = [(0, x), (1, there)].map(|(image, x): (usize, usize)| {
+                            let [census, steps, _] = looks[image].row(row);
+                            (census[of(x, dx, columns)], steps[of(x, dx, columns)])
+                        });
+                        let unlike = (a.0 ^ b.0).count_ones();
+                        bits += unlike;
+                        if (dx, dy) == (0, 0) {
+                            here = unlike;
+                        }
+                        if dx == 0 || dy == 0 {
+                            steps += u32::from(a.1.abs_diff(b.1).min(20));
+                            texture += u32::from(a.1.abs_diff(128).min(32));
+                        }
+                    }
+                    let found = [fits.bits[l], fits.bits_here[l], fits.steps[l], textures[l]];
+                    assert_eq!(found, [bits, here, steps, texture].map(|sum| sum as f32));
+                }
+            }
+        }
+    }
+}
