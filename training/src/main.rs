@@ -35,7 +35,7 @@ struct Arguments {
     /// Tuning scenes to leave out: parts of their names.
     #[arg(long, num_args = 0..)]
     without: Vec<String>,
-    /// About how many pixels of a pair.
+    /// About how many pixels of a pair; a quarter of them of a strained or rendered one.
     #[arg(long, default_value_t = 18000)]
     pixels: usize,
     /// How often each tuning scene is strained.

@@ -4,7 +4,7 @@ use raster::{BoundingBox, DisparityRange, Image, Plane};
 
 use crate::matcher::Frame;
 use crate::refinement::choice::Lesson;
-pub use crate::refinement::choice::{Known, OF_EACH, OF_PIXEL, Pixel};
+pub use crate::refinement::choice::{Known, Pixel};
 use crate::{MatchError, Preset, presets};
 
 /// What a preset, `balanced` or `best`, knows of pixels of a pair of images of equal size when the judges that it has so far

@@ -76,6 +76,12 @@ impl Looks {
         self.0.rows()
     }
 
+    /// The grey values of row `y`.
+    #[inline(always)]
+    pub fn grey_row(&self, y: usize) -> &[u8] {
+        &self.0.row(y)[2 * self.columns()..]
+    }
+
     /// The parts of row `y`.
     pub fn row(&self, y: usize) -> [&[u8]; 3] {
         let row = self.0.row(y);

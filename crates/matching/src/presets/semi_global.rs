@@ -286,7 +286,7 @@ impl SemiGlobalMatching {
         done
     }
 
-    /// Lets every pixel of the left view, which is filled, choose a plane around it. One without a match
+    /// Lets pixels of the left view, which is filled, choose planes around them. One without a match
     /// is as confident as the judge is certain, one with a match as both are.
     fn choose(&mut self, search: Search, confidence: &mut [f32]) -> Work {
         let Search { ingredients, level, work, width, range, .. } = search;
@@ -315,8 +315,8 @@ impl SemiGlobalMatching {
                 }
             }
         }
-        // Confidence is copied, and multiplied where there is a match.
-        done + Work::bytes(5 * size_of_val(filled.samples()) + size_of_val(map.reasons.samples()))
+        // Confidence is multiplied by the certainty where there is a match.
+        done + Work::bytes(3 * size_of_val(filled.samples()) + size_of_val(map.reasons.samples()))
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.

@@ -1,7 +1,8 @@
 //! What pixels can choose from, and what is known of each candidate.
 //!
 //! Candidates are the planes of a pixel itself and of others around it, continued to where it lies.
-//! Neighbours of one row are worked on together: what they look at lies side by side too.
+//! Neighbours of one row are looked at together: what they look at lies side by side too. Those that
+//! have a choice are then worked on together.
 
 use raster::{Plane, Reason, View};
 
@@ -16,9 +17,9 @@ pub(crate) const LANES: usize = 16;
 pub(crate) type Lanes = [f32; LANES];
 
 /// What is known of each candidate, in the order of [`Hints`].
-pub const OF_EACH: usize = 20;
+pub(super) const OF_EACH: usize = 20;
 /// What is known of the pixel, in the order of [`Block::of_pixel`].
-pub const OF_PIXEL: usize = 6;
+pub(super) const OF_PIXEL: usize = 6;
 
 /// What is known of a candidate:
 /// 0, 1: how far it lies from what the pixel has, with sign and without;
@@ -120,10 +121,10 @@ pub(super) struct Block {
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
 const VOTES: usize = 4;
 
-const NONE: Lanes = [0.0; LANES];
+pub(super) const NONE: Lanes = [0.0; LANES];
 
-impl Block {
-    pub fn new() -> Self {
+impl Default for Block {
+    fn default() -> Self {
         Self {
             y: 0,
             columns: [0; LANES],
@@ -146,11 +147,13 @@ impl Block {
             of_pixel: [NONE; OF_PIXEL],
         }
     }
+}
 
+impl Block {
     /// With candidates of the map.
     #[cfg(test)]
     pub fn of(reach: &Reach, disparities: [Lanes; MOST]) -> Self {
-        Self { places: reach.places, disparities, inside: [[1.0; LANES]; MOST], ..Self::new() }
+        Self { places: reach.places, disparities, inside: [[1.0; LANES]; MOST], ..Self::default() }
     }
 
     /// How many candidates a pixel has.
@@ -163,6 +166,7 @@ impl Block {
     #[inline(always)]
     pub fn find(&mut self, scene: &Scene<'_>, reach: &Reach, x: usize, y: usize) -> bool {
         (self.y, self.places) = (y, reach.places);
+        self.open = [false; LANES];
         for l in 0..LANES {
             self.columns[l] = x + l;
         }
@@ -175,29 +179,22 @@ impl Block {
         let mut undecided = [false; LANES];
         for (k, place) in reach.places.iter().enumerate() {
             let (u, v) = (x as i64 + i64::from(place.columns), y as i64 + i64::from(place.rows));
+            let in_map = (0..rows as i64).contains(&v);
+            let v = if in_map { v as usize } else { y };
+            let values = run(scene.values.row(v), u);
+            let along = run(scene.strip.slopes.along.row(scene.strip.row(v)), u);
+            let down = run(scene.strip.slopes.down.row(scene.strip.row(v)), u);
+            let (dx, dy) = (place.columns as f32, place.rows as f32);
+            let inside = if in_map { inside(u, columns) } else { NONE };
             let disparities = &mut self.disparities[k];
-            if (0..rows as i64).contains(&v) {
-                let (v, in_strip) = (v as usize, scene.strip.row(v as usize));
-                let values = run(scene.values.row(v), u);
-                let along = run(scene.strip.slopes.along.row(in_strip), u);
-                let down = run(scene.strip.slopes.down.row(in_strip), u);
-                let (dx, dy) = (place.columns as f32, place.rows as f32);
-                let inside = inside(u, columns);
-                for l in 0..LANES {
-                    let d = values[l] - (along[l] * dx + down[l] * dy);
-                    let d = if inside[l] > 0.0 { d } else { here[l] };
-                    let d = if d < least { least } else { d };
-                    disparities[l] = if d > most { most } else { d };
-                    self.steep[k][l] = along[l].abs() + down[l].abs();
-                }
-                self.inside[k] = inside;
-            } else {
-                self.inside[k] = NONE;
-                for l in 0..LANES {
-                    let d = if here[l] < least { least } else { here[l] };
-                    disparities[l] = if d > most { most } else { d };
-                }
+            for l in 0..LANES {
+                let d = values[l] - (along[l] * dx + down[l] * dy);
+                let d = if inside[l] > 0.0 { d } else { here[l] };
+                let d = if d < least { least } else { d };
+                disparities[l] = if d > most { most } else { d };
+                self.steep[k][l] = along[l].abs() + down[l].abs();
             }
+            self.inside[k] = inside;
             for l in 0..LANES {
                 let d = disparities[l];
                 smallest[l] = if d < smallest[l] { d } else { smallest[l] };
@@ -229,12 +226,12 @@ impl Block {
     pub fn look(&mut self, scene: &Scene<'_>) {
         let (x, y) = (self.columns[0] as i64, self.y);
         let Scene { strip, given, .. } = scene;
-        let grey_here = run(strip.base.row(strip.row(y))[2], given.first as i64 + x);
+        let grey_here = run(strip.base.grey_row(strip.row(y)), given.first as i64 + x);
         for (k, place) in self.places.iter().enumerate() {
             let (u, v) = (x + i64::from(place.columns), y as i64 + i64::from(place.rows));
             let v = if (0..scene.values.rows() as i64).contains(&v) { v as usize } else { y };
             let reasons = run(scene.reasons.row(v), u);
-            let grey = run(strip.base.row(strip.row(v))[2], given.first as i64 + u);
+            let grey = run(strip.base.grey_row(strip.row(v)), given.first as i64 + u);
             let sums_here = run(strip.edges.row(place.way, strip.row(y)), x);
             let sums = run(strip.edges.row(place.way, strip.row(v)), u);
             self.confidence[k] = run(scene.confidence.row(v), u);
@@ -259,7 +256,7 @@ impl Block {
     /// Takes a pixel of another block, with all that was seen of it.
     #[inline(always)]
     pub fn take(&mut self, to: usize, other: &Block, from: usize) {
-        (self.y, self.places) = (other.y, other.places);
+        self.places = other.places;
         self.columns[to] = other.columns[from];
         self.here[to] = other.here[from];
         self.smallest[to] = other.smallest[from];
@@ -365,11 +362,11 @@ impl Block {
         for l in 0..LANES {
             let column = (given.first + self.columns[l]) as i32 - nearest(disparities[l]);
             let last = width as i32 - 1;
-            let inside = if column < 0 { 0 } else { column };
-            let inside = if inside > last { last } else { inside };
-            outside[l] = share(inside != column);
-            at[l] = inside as usize;
-            mirrored[l] = (last - inside) as usize;
+            let clamped = if column < 0 { 0 } else { column };
+            let clamped = if clamped > last { last } else { clamped };
+            outside[l] = share(clamped != column);
+            at[l] = clamped as usize;
+            mirrored[l] = (last - clamped) as usize;
         }
         let Fits { bits, bits_here, steps } = self.windows.fit(&Several::at(compared.other, &at));
         let mut right = NONE;
@@ -383,9 +380,9 @@ impl Block {
             hints[6][l] = bits[l] * (2.0 / BITS as f32);
             hints[7][l] = steps[l] * (1.0 / (10 * STEPS) as f32);
             hints[8][l] = bits_here[l] * 0.25;
-            let right = if outside[l] > 0.0 { 0.0 } else { right[l] - disparities[l] };
-            hints[9][l] = bent(right);
-            hints[10][l] = bent(right).abs();
+            let off = if outside[l] > 0.0 { 0.0 } else { right[l] - disparities[l] };
+            hints[9][l] = bent(off);
+            hints[10][l] = bent(off).abs();
             hints[13][l] = bent(disparities[l] - self.smallest[l]);
             hints[14][l] = bent(self.largest[l] - disparities[l]);
             hints[16][l] = 2.0 * self.steep[k][l];

@@ -9,10 +9,10 @@
 //! [`FAR`] pixels is as bad as being off by that: of several that say nearly the same the one in the
 //! middle wins, and one that stands alone must be likely.
 //!
-//! Neighbouring pixels are worked on side by side. Sums are taken in the same order at every level and
+//! Pixels of one row are worked on side by side. Sums are taken in the same order at every level and
 //! without fused multiply-adds: all levels give the same bits.
 
-use super::block::{Block, Hints, LANES, Lanes, OF_EACH, OF_PIXEL, nearest};
+use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL, nearest};
 use super::reach::{MOST, Reach};
 
 /// The most numbers that a layer has.
@@ -22,8 +22,6 @@ const FAR: f32 = 3.0;
 
 /// Sums that grow together: each number of the layer before is read once for all of these.
 const TOGETHER: usize = 4;
-
-const NONE: Lanes = [0.0; LANES];
 
 /// The numbers of the two layers between; each a multiple of [`TOGETHER`].
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +54,8 @@ pub(super) struct Mind {
     expected: [Lanes; MOST],
 }
 
-impl Mind {
-    pub fn new() -> Self {
+impl Default for Mind {
+    fn default() -> Self {
         Self {
             own: [NONE; LARGEST],
             numbers: [NONE; LARGEST],
@@ -69,7 +67,7 @@ impl Mind {
 
 /// What a judge says of pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Verdict {
+pub(super) struct Verdict {
     pub disparity: Lanes,
     /// In `[0, 1]`.
     pub certainty: Lanes,
@@ -82,11 +80,12 @@ impl Judge {
     }
 
     /// Operations on bytes for a pixel: products and sums of four bytes each, and each candidate
-    /// compared with each other one, by disparity and by what it costs to be wrong.
+    /// compared with each other one: by disparity, with four sums, and by what it costs to be wrong.
     pub fn operations(&self) -> usize {
         let Layers { first, second } = self.layers;
         let candidates = self.places.len();
-        4 * candidates * (2 * (first * OF_EACH + second * first + second) + candidates * (4 + 4))
+        4 * candidates
+            * (2 * (first * OF_EACH + second * first + second) + candidates * (3 + 8 + 4))
     }
 
     /// From its numbers: of each number of the first layer the places, then the weights of what is
@@ -276,7 +275,7 @@ mod tests {
 
     at_every_level! {
         fn judge_block(judge: &Judge, block: &Block, hints: &[Hints]) -> Verdict {
-            let mut mind = Mind::new();
+            let mut mind = Mind::default();
             judge.look(&block.of_pixel, &mut mind);
             for (k, hints) in hints.iter().enumerate() {
                 judge.score(k, hints, &mut mind);
@@ -375,7 +374,7 @@ mod tests {
     fn of_many_that_say_nearly_the_same_the_middle_wins_and_one_alone_does_not() {
         let disparity = |k: usize| if k == 0 { 30.0 } else { 0.01 * k as f32 };
         let block = Block::of(&WIDE, std::array::from_fn(|k| [disparity(k); LANES]));
-        let Verdict { disparity, certainty } = verdict(&block, &mut Mind::new());
+        let Verdict { disparity, certainty } = verdict(&block, &mut Mind::default());
         assert_eq!(disparity, [0.16; LANES]);
         // One of 32 is as bad as can be, the others are off by a little.
         let sure = certainty[3];

@@ -23,7 +23,10 @@ impl Jury {
     /// From the weights of the judges one after the other, 32-bit floats in the order of
     /// [`Judge::new`]. `training/choice.py` makes them.
     fn new(reach: &'static Reach, layers: Layers, trained: &[u8]) -> Self {
-        let judges = trained.as_chunks().0.chunks_exact(Judge::numbers(reach, layers));
+        let (numbers, rest) = trained.as_chunks();
+        let judges = numbers.chunks_exact(Judge::numbers(reach, layers));
+        let whole = rest.is_empty() && judges.remainder().is_empty();
+        assert!(whole, "the weights are those of other layers: train the judges again");
         let judge = |numbers: &[[u8; 4]]| {
             Judge::new(reach, layers, numbers.iter().copied().map(f32::from_le_bytes))
         };

@@ -55,7 +55,7 @@ at_every_level! {
         compared: &Compared<'_>,
         pixel: (usize, usize),
     ) -> Option<Known> {
-        let mut block = Block::new();
+        let mut block = Block::default();
         if !block.find(scene, reach, pixel.0, pixel.1) || !block.open[0] {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Every pixel chooses among the planes around it, and a learned judge says which.
+//! Pixels that are not settled choose among the planes around them, and a learned judge says which.
 //!
 //! What is left wrong after matching and filling is mostly within reach of what is right: a surface
 //! that grew beyond its edge, a hole that was filled from the wrong side, a patch matched far off. To
@@ -29,7 +29,6 @@ use rayon::prelude::*;
 
 pub(crate) use self::block::Given;
 use self::block::{Block, Compared, LANES, Scene};
-pub use self::block::{OF_EACH, OF_PIXEL};
 use self::judge::{Judge, Mind, verdict};
 pub(crate) use self::jury::Jury;
 pub(crate) use self::lesson::Lesson;
@@ -40,24 +39,42 @@ use self::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
+/// The memory of what is done row by row.
+#[derive(Default)]
+pub(crate) struct Worker {
+    /// Of the left and of the right image.
+    windows: [Windows; 2],
+    /// Neighbours, and those of them that a judge is asked about.
+    block: Block,
+    asked: Block,
+    mind: Mind,
+}
+
+impl Worker {
+    /// What it takes for images of a width.
+    fn bytes(width: usize) -> usize {
+        size_of::<Self>() + 2 * Windows::bytes(width)
+    }
+}
+
 /// Lets the pixels of some rows of `scene` choose, into `out`; `certainty`, which arrives as 1, says how
-/// sure the judge is where there is anything to choose. `windows` has the memory for as many rows as are worked on at
-/// once.
+/// sure the judge is where there is anything to choose. Each of the `workers` does a part of the rows.
 fn choose(
     level: Level,
     (reach, judge): (&Reach, &Judge),
     scene: &Scene<'_>,
     rows: Range<usize>,
-    windows: &mut [[Windows; 2]],
+    workers: &mut [Worker],
     certainty: &mut Plane<f32>,
     out: &mut Plane<f32>,
 ) -> Work {
     let columns = scene.values.columns();
-    let height = rows.len().div_ceil(windows.len());
+    let height = rows.len().div_ceil(workers.len());
     let samples = rows.start * columns..rows.end * columns;
     let certainty = certainty.samples_mut()[samples.clone()].par_chunks_mut(columns * height);
     let bands = out.samples_mut()[samples.clone()].par_chunks_mut(columns * height).zip(certainty);
-    let chosen = bands.zip(windows).enumerate().map(|(i, ((out, certainty), windows))| {
+    let chosen = bands.zip(workers).enumerate().map(|(i, ((out, certainty), worker))| {
+        let Worker { windows, block, asked, mind } = worker;
         let lines = out.chunks_exact_mut(columns).zip(certainty.chunks_exact_mut(columns));
         let chosen = (rows.start + i * height..).zip(lines).map(|(y, (out, certainty))| {
             out.copy_from_slice(scene.values.row(y));
@@ -65,46 +82,44 @@ fn choose(
                 return 0;
             }
             let compared = Compared::row(level, scene, windows, y);
-            choose_row(level, reach, judge, scene, &compared, y, out, certainty)
+            let judge = (reach, judge);
+            choose_row(level, judge, scene, &compared, y, (block, asked, mind), out, certainty)
         });
         chosen.sum::<usize>()
     });
     // Values, slopes, confidence and the right view are read, the choice and its certainty written;
-    // reasons, doubts and the looks of both views are bytes.
-    Work::bytes((4 * (5 + 2) + 2 + 2 * 3) * samples.len())
+    // edges are read in four ways; reasons, doubts and the looks of both views are bytes.
+    Work::bytes((4 * (5 + 2) + 2 * 4 + 2 + 2 * 3) * samples.len())
         + Work::operations(judge.operations()) * chosen.sum::<usize>()
 }
 
 at_every_level! {
     /// Lets the pixels of row `y` choose; how many had a choice.
     fn choose_row(
-        reach: &Reach,
-        judge: &Judge,
+        judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
         y: usize,
+        memory: (&mut Block, &mut Block, &mut Mind),
         out: &mut [f32],
         certainty: &mut [f32],
     ) -> usize {
-        let [mut block, mut asked] = [Block::new(), Block::new()];
-        let mut mind = Mind::new();
+        let ((reach, judge), (block, asked, mind)) = (judge, memory);
         let (mut chosen, mut waiting) = (0, 0);
         for x in (0..out.len()).step_by(LANES) {
             if block.find(scene, reach, x, y) {
                 block.look(scene);
-            } else {
-                block.open = [false; LANES];
             }
             let last = x + LANES >= out.len();
             for l in 0..LANES {
                 if block.open[l] && (x + l).is_multiple_of(reach.every) {
-                    asked.take(waiting, &block, l);
+                    asked.take(waiting, block, l);
                     waiting += 1;
                 }
-                // Those of few blocks have a choice: judges are asked when there are enough.
+                // Few of a block have a choice: they wait until there is a full block of them.
                 let enough = waiting == LANES || (last && l + 1 == LANES);
                 if waiting > 0 && enough {
-                    decide(judge, scene.given, compared, &mut asked, &mut mind, waiting, out, certainty);
+                    decide(judge, scene.given, compared, asked, mind, waiting, out, certainty);
                     chosen += waiting;
                     waiting = 0;
                 }
@@ -228,12 +243,13 @@ mod tests {
 
         /// What a judge makes of it, with its certainty.
         fn judged(&self, level: Level, judge: (&Reach, &Judge), threads: usize) -> [Plane<f32>; 2] {
-            let mut planes = [0.0, 1.0].map(|value| Plane::filled(COLUMNS, ROWS, value));
-            let mut windows = vec![Default::default(); threads];
+            let columns = self.values.columns();
+            let mut planes = [0.0, 1.0].map(|value| Plane::filled(columns, ROWS, value));
+            let mut workers: Vec<Worker> = (0..threads).map(|_| Worker::default()).collect();
             let given = self.given();
             let scene = self.scene(&given);
             let [out, certainty] = &mut planes;
-            choose(level, judge, &scene, 0..ROWS, &mut windows, certainty, out);
+            choose(level, judge, &scene, 0..ROWS, &mut workers, certainty, out);
             planes
         }
     }
@@ -297,13 +313,16 @@ mod tests {
                 (0..Judge::numbers(reach, layers)).map(|_| chance.share() - 0.5).collect();
             (reach, Judge::new(reach, layers, numbers))
         });
-        let mut world = World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| {
-            truth(x + FIRST) + 3.0 * chance.share()
-        }));
-        for (i, reason) in world.reasons.samples_mut().iter_mut().enumerate() {
-            *reason = [Reason::Matched, Reason::OccludedFilled, Reason::OutsideRightFilled][i % 3];
-        }
-        for (reach, judge) in &judges {
+        for (columns, (reach, judge)) in
+            [3, 15, 17, 37, COLUMNS].into_iter().flat_map(|n| judges.iter().map(move |j| (n, j)))
+        {
+            let mut world = World::new(Plane::from_fn(columns, ROWS, |x, _| {
+                truth(x + FIRST) + 3.0 * chance.share()
+            }));
+            for (i, reason) in world.reasons.samples_mut().iter_mut().enumerate() {
+                *reason =
+                    [Reason::Matched, Reason::OccludedFilled, Reason::OutsideRightFilled][i % 3];
+            }
             let choices = |level, threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| world.judged(level, (*reach, judge), threads))
@@ -312,7 +331,7 @@ mod tests {
             assert!(expected[0] != world.values, "nothing was chosen");
             assert!(expected[1].samples().iter().all(|sure| (0.0..=1.0).contains(sure)));
             for level in Level::available() {
-                eprintln!("level {}", level.name());
+                eprintln!("{columns} columns, level {}", level.name());
                 assert!(choices(level, 2) == expected);
             }
         }

@@ -5,11 +5,10 @@ use rayon::prelude::*;
 
 use super::between::follow;
 use super::block::{Given, Scene};
-use super::choose;
 use super::jury::Jury;
 use super::lesson::Lesson;
 use super::strip::Strip;
-use super::windows::Windows;
+use super::{Worker, choose};
 use crate::kernels::level::Level;
 use crate::profile::Work;
 use crate::refinement::median::median_of_map;
@@ -27,8 +26,8 @@ pub(crate) struct Choices {
     /// The same after the round that runs.
     next: Plane<f32>,
     strip: Strip,
-    /// Of the rows that are worked on.
-    windows: Vec<[Windows; 2]>,
+    /// One for each thread.
+    workers: Vec<Worker>,
     /// Where judges are taught: what is known when those that there are have spoken.
     lesson: Option<Lesson>,
 }
@@ -37,8 +36,8 @@ impl Choices {
     /// What they take for a map of so many columns and rows, in images of a width.
     pub fn bytes(jury: &Jury, (columns, rows): (usize, usize), width: usize) -> usize {
         let certainty = jury.judges(true).len().min(2) * size_of::<f32>() * columns * rows;
-        let windows = 2 * rayon::current_num_threads() * Windows::bytes(width);
-        certainty + Strip::bytes(columns, rows, width, jury.reach) + windows
+        let workers = rayon::current_num_threads() * Worker::bytes(width);
+        certainty + Strip::bytes(columns, rows, width, jury.reach) + workers
     }
 
     pub fn new(jury: &'static Jury) -> Self {
@@ -47,7 +46,7 @@ impl Choices {
             certainty: Plane::default(),
             next: Plane::default(),
             strip: Strip::default(),
-            windows: Vec::new(),
+            workers: Vec::new(),
             lesson: None,
         }
     }
@@ -83,28 +82,30 @@ impl Choices {
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
-        let Self { jury, certainty, next, strip, windows, lesson } = self;
+        let Self { jury, certainty, next, strip, workers, lesson } = self;
         let reach = jury.reach;
-        windows.resize_with(rayon::current_num_threads(), Default::default);
+        workers.resize_with(rayon::current_num_threads(), Default::default);
         let ViewMap { values: other, reasons, .. } = map;
         let (columns, rows) = values.size();
         let mut done = Work::bytes(0);
         for (round, judge) in jury.judges(with_last).iter().enumerate() {
             match round {
                 // What the last frame left is not read any more: a single round needs one plane.
-                0 => std::mem::swap(certainty, next),
+                0 => {
+                    std::mem::swap(certainty, next);
+                    other.reset(columns, rows, 0.0);
+                }
                 _ => {
                     done = done + median_of_map(level, values, other);
                     std::mem::swap(values, other);
                 }
             }
             next.reset(columns, rows, 1.0);
-            other.reset(columns, rows, 0.0);
             let confidence = if round == 0 { confidence } else { certainty.view() };
             for rows in Strip::all(rows) {
                 done = done + strip.compute(level, given, reach, values, &rows);
                 let scene = Scene { values, reasons, confidence, strip, given };
-                done = done + choose(level, (reach, judge), &scene, rows, windows, next, other);
+                done = done + choose(level, (reach, judge), &scene, rows, workers, next, other);
             }
             if reach.every > 1 {
                 done = done + follow(level, given, values, next, other);

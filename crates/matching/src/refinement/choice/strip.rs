@@ -1,5 +1,5 @@
-//! What is seen around some rows of a map. Only so much is kept at once: a large image is worked on strip
-//! after strip.
+//! What is seen around some rows of a map. Only so much is kept at once: a large image is worked on
+//! strip after strip.
 
 use std::ops::Range;
 
@@ -8,15 +8,14 @@ use raster::Plane;
 use super::block::Given;
 use super::edges::Edges;
 use super::reach::Reach;
+use super::windows::APART;
 use crate::cost::looks::Looks;
 use crate::kernels::level::Level;
 use crate::profile::Work;
 use crate::refinement::slopes::Slopes;
 
-/// So many rows are worked on at once.
-const HEIGHT: usize = 256;
-/// Windows reach so many rows beyond a pixel.
-const WINDOW: usize = 2;
+/// At least so many rows are worked on at once, and less than twice as many.
+const LEAST: usize = 256;
 
 /// The looks of both images, the slopes of a map and the edges of the left image, in some of their rows.
 #[derive(Default)]
@@ -38,12 +37,18 @@ impl Strip {
 
     /// How many rows it has where the map has so many.
     fn height(rows: usize, reach: &Reach) -> usize {
-        rows.min(HEIGHT + 2 * (reach.rows() + WINDOW))
+        rows.min(Self::rows(rows) + 2 * (reach.rows() + APART))
     }
 
-    /// The rows of a map, in strips that begin at even ones.
+    /// How many rows of a map are worked on with it.
+    fn rows(rows: usize) -> usize {
+        rows.div_ceil((rows / LEAST).max(1))
+    }
+
+    /// The rows of a map, in strips.
     pub fn all(rows: usize) -> impl Iterator<Item = Range<usize>> {
-        (0..rows).step_by(HEIGHT).map(move |first| first..(first + HEIGHT).min(rows))
+        let height = Self::rows(rows);
+        (0..rows).step_by(height).map(move |first| first..(first + height).min(rows))
     }
 
     /// Looks at all that pixels of these rows reach.
@@ -57,7 +62,7 @@ impl Strip {
     ) -> Work {
         // All strips have one height, so that memory is taken once.
         let height = Self::height(values.rows(), reach);
-        let above = rows.start.saturating_sub(reach.rows() + WINDOW);
+        let above = rows.start.saturating_sub(reach.rows() + APART);
         self.top = above.min(values.rows() - height);
         let [base, other] = given.grey;
         let (top, rows) = (given.top + self.top, self.top..self.top + height);
@@ -80,11 +85,15 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
 
+    /// Rows of the images above the map.
+    const TOP: usize = 7;
+
     #[test]
     fn what_is_seen_does_not_depend_on_the_strip() {
-        let (columns, rows) = (30, 2 * HEIGHT + 90);
+        let (columns, rows) = (30, 2 * LEAST + 90);
         let mut chance = Chance(8);
-        let mut noise = |most: f32| Plane::from_fn(columns, rows, |_, _| most * chance.share());
+        let mut noise =
+            |most: f32| Plane::from_fn(columns, TOP + rows, |_, _| most * chance.share());
         let values = noise(30.0);
         let [left, right] = [noise(255.0), noise(255.0)].map(|grey| grey.map(|&grey| grey as u8));
         let given = Given {
@@ -92,22 +101,24 @@ mod tests {
             grey: [&left, &right],
             right: &values,
             first: 3,
-            top: 0,
+            top: TOP,
             least: 0.0,
             most: 60.0,
         };
         let part = Plane::from_fn(columns - 3, rows, |x, y| values.row(y)[x + 3]);
         let level = Level::detect();
-        let (mut slopes, mut looks) = (Slopes::default(), [Looks::default(), Looks::default()]);
+        let (mut slopes, mut edges) = (Slopes::default(), Edges::default());
+        let mut looks = [Looks::default(), Looks::default()];
         slopes.compute(level, &part);
         for (looks, grey) in looks.iter_mut().zip(given.grey) {
-            looks.compute(level, grey, 0, rows);
+            looks.compute(level, grey, TOP, rows);
         }
+        edges.compute(level, &looks[0], given.first, columns - 3);
         for reach in [&NARROW, &WIDE] {
             let mut strip = Strip::default();
             let mut seen = 0;
             for rows_of_strip in Strip::all(rows) {
-                assert!(rows_of_strip.start == seen && seen.is_multiple_of(2));
+                assert_eq!(rows_of_strip.start, seen);
                 seen = rows_of_strip.end;
                 strip.compute(level, &given, reach, &part, &rows_of_strip);
                 let reached = rows_of_strip.start.saturating_sub(reach.rows())
@@ -118,6 +129,12 @@ mod tests {
                     assert_eq!(strip.slopes.down.row(row), slopes.down.row(y));
                     assert_eq!(strip.base.row(row), looks[0].row(y));
                     assert_eq!(strip.other.row(row), looks[1].row(y));
+                    // Straight up to the first row of the strip.
+                    let change = |edges: &Edges, from: usize, to: usize| -> Vec<u16> {
+                        let rows = edges.row(1, to).iter().zip(edges.row(1, from));
+                        rows.map(|(to, from)| to.wrapping_sub(*from)).collect()
+                    };
+                    assert_eq!(change(&strip.edges, 0, row), change(&edges, strip.top, y));
                 }
             }
             assert_eq!(seen, rows);

@@ -9,7 +9,7 @@ use crate::cost::looks::{LARGEST_STEP, Looks};
 use crate::kernels::level::{Level, at_every_level};
 
 /// The pixels of a window stand so far apart.
-const APART: usize = 2;
+pub(super) const APART: usize = 2;
 /// Steps in a window.
 pub(super) const STEPS: u32 = 5;
 /// The census bits in a window.
@@ -27,14 +27,14 @@ const LARGEST_TEXTURE: u8 = 32;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Window {
     census: u64,
-    rest: u64,
+    own_and_steps: u64,
 }
 
-/// The windows of neighbouring pixels, or of their matches.
+/// The windows of pixels of one row, or of their matches.
 #[derive(Clone, Copy)]
 pub(super) struct Several {
     census: [u64; LANES],
-    rest: [[u8; 8]; LANES],
+    own_and_steps: [[u8; 8]; LANES],
 }
 
 /// How well windows fit: numbers of bits and of grey levels.
@@ -47,7 +47,7 @@ pub(super) struct Fits {
 }
 
 impl Several {
-    pub const NONE: Self = Self { census: [0; LANES], rest: [[0; 8]; LANES] };
+    pub const NONE: Self = Self { census: [0; LANES], own_and_steps: [[0; 8]; LANES] };
 
     /// The windows at these columns.
     #[inline(always)]
@@ -56,7 +56,7 @@ impl Several {
         for l in 0..LANES {
             let window = &windows[columns[l]];
             several.census[l] = window.census;
-            several.rest[l] = window.rest.to_le_bytes();
+            several.own_and_steps[l] = window.own_and_steps.to_le_bytes();
         }
         several
     }
@@ -67,13 +67,13 @@ impl Several {
         let mut steps = [[0; 8]; LANES];
         for l in 0..LANES {
             for i in 0..8 {
-                let step = self.rest[l][i].abs_diff(other.rest[l][i]);
+                let step = self.own_and_steps[l][i].abs_diff(other.own_and_steps[l][i]);
                 steps[l][i] = if step < LARGEST_STEP { step } else { LARGEST_STEP };
             }
         }
         for l in 0..LANES {
             let around = (self.census[l] ^ other.census[l]).count_ones();
-            let here = (self.rest[l][0] ^ other.rest[l][0]).count_ones();
+            let here = (self.own_and_steps[l][0] ^ other.own_and_steps[l][0]).count_ones();
             fits.bits[l] = (around + here) as f32;
             fits.bits_here[l] = here as f32;
             fits.steps[l] = sum(steps[l]);
@@ -86,7 +86,7 @@ impl Several {
     pub fn textures(&self) -> Lanes {
         let mut textures = [0.0; LANES];
         for l in 0..LANES {
-            let mut steps = self.rest[l];
+            let mut steps = self.own_and_steps[l];
             for step in &mut steps {
                 let high = step.abs_diff(FLAT);
                 *step = if high < LARGEST_TEXTURE { high } else { LARGEST_TEXTURE };
@@ -124,12 +124,13 @@ impl Windows {
         for (rows, y) in self.rows.iter_mut().zip(near) {
             for (row, part) in rows.iter_mut().zip(image.row(y)) {
                 row.clear();
+                row.reserve_exact(columns + 2 * APART);
                 row.extend_from_slice(&[part[0]; APART]);
                 row.extend_from_slice(part);
                 row.extend_from_slice(&[part[columns - 1]; APART]);
             }
         }
-        self.windows.clear();
+        // All of them are written below.
         self.windows.resize(columns, Window::default());
         let rows = self.rows.each_ref().map(|rows| rows.each_ref().map(|row| &row[..]));
         windows_of_row(level, rows, &mut self.windows);
@@ -153,7 +154,7 @@ at_every_level! {
         for x in 0..columns {
             windows[x] = Window {
                 census: word([a[x], b[x], c[x], d[x], f[x], g[x], h[x], i[x]]),
-                rest: word([e[x], own[x], left[x], right[x], up[x], down[x], 0, 0]),
+                own_and_steps: word([e[x], own[x], left[x], right[x], up[x], down[x], 0, 0]),
             };
         }
     }
