@@ -16,10 +16,12 @@ use crate::prepare::descriptor::Descriptors;
 use crate::refinement::choice::{Choices, Jury};
 use crate::refinement::groups::Groups;
 
-/// What semi-global matching takes at most where no limit was given. Bands cost time, so the pairs of the
-/// usual benchmarks are matched without any (KITTI with 160 disparities: 75 MB); several megapixels,
-/// which would take gigabytes, are matched with bands.
-const UNASKED: usize = 120_000_000;
+/// What a frame takes at most where no limit was given, or else what the sums of semi-global matching
+/// take of it. Bands cost time, so the pairs of the usual benchmarks are matched without any (KITTI with
+/// 160 disparities: 75 MB of sums); several megapixels, which would take gigabytes, are matched with
+/// bands.
+const UNASKED: usize = 200_000_000;
+const SUMS: usize = 50_000_000;
 
 /// Room for what is done row by row: bytes per column and thread, and in all.
 const ROW: usize = 64;
@@ -117,7 +119,7 @@ impl Needs {
 
     /// The bands for a limit to all of it.
     pub fn bands(&self, limit: Option<usize>) -> Bands {
-        let limit = limit.unwrap_or(self.rest + UNASKED);
+        let limit = limit.unwrap_or(UNASKED.max(self.rest + SUMS));
         Bands::within(&self.volume, |bands| self.with(bands) <= limit)
     }
 }

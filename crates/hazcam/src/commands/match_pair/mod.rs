@@ -96,7 +96,7 @@ pub struct Args {
 
     /// Memory to take at most for matching, such as 400MB or 1.5GiB: with less, balanced and best
     /// take more time, up to about half as much again; the answer does not depend on it [default:
-    /// what is needed, of which 120MB for the sums of semi-global matching where that will do]
+    /// 200MB, or what is needed with 50MB for the sums of semi-global matching]
     #[arg(long, value_name = "SIZE", help_heading = "Matching")]
     #[arg(value_parser = arguments::memory)]
     memory: Option<usize>,
