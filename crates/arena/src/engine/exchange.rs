@@ -124,15 +124,20 @@ fn read_image(path: &Path) -> Result<Image, FormatError> {
     image.ok_or_else(|| wrong(found))
 }
 
-/// Writes an answer, on the engine's side.
-pub fn write_answer(job: &Job, answer: &Answer) -> Result<(), FormatError> {
-    if let Some(reasons) = &answer.reasons {
+/// Writes an answer, on the engine's side: the planes of an [`Answer`].
+pub fn write_answer(
+    job: &Job,
+    disparity: &Plane<f32>,
+    reasons: Option<&Plane<Reason>>,
+    confidence: Option<&Plane<f32>>,
+) -> Result<(), FormatError> {
+    if let Some(reasons) = reasons {
         npy::write(&job.reasons, &reasons.map(|&reason| reason as u8))?;
     }
-    if let Some(confidence) = &answer.confidence {
+    if let Some(confidence) = confidence {
         npy::write(&job.confidence, confidence)?;
     }
-    npy::write(&job.disparity, &answer.disparity)
+    npy::write(&job.disparity, disparity)
 }
 
 /// Reads and checks the answer to a job. The error says what is wrong with it, in words for the
@@ -259,7 +264,8 @@ mod tests {
             reasons: Some(Plane::filled(3, 2, Reason::OccludedFilled)),
             confidence: Some(Plane::filled(3, 2, 0.25)),
         };
-        write_answer(&job, &answer).unwrap();
+        let Answer { disparity, reasons, confidence } = &answer;
+        write_answer(&job, disparity, reasons.as_ref(), confidence.as_ref()).unwrap();
         assert_eq!(read_answer(&job).unwrap(), answer);
         let error = read_answer(&job_in(scratch.path())).unwrap_err();
         assert!(error.contains("no disparity file"), "{error}");

@@ -27,7 +27,7 @@ mod usage;
 mod worker;
 
 pub use definition::{Definition, DefinitionError, Engines, Kind};
-pub use exchange::{Answer, Pair};
+pub use exchange::{Answer, Pair, write_answer};
 pub use launch::Programs;
 pub(crate) use launch::command;
 pub use limits::Limits;

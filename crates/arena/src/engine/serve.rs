@@ -5,19 +5,20 @@ use std::time::Duration;
 
 use raster::Image;
 
-use super::exchange::{Answer, read_images, write_answer};
+use super::exchange::read_images;
 use super::protocol::{self, FromEngine, Job, Ready, ToEngine};
 
 /// Says that the engine is ready, then answers jobs until the input ends.
 ///
-/// `matcher` gets the job and its images, and returns the answer with the time that the matching
-/// alone took; what it returns as an error becomes the message of `failed`. Errors when a line is no message, or when nobody listens any more.
+/// `matcher` gets the job and its images, writes its answer ([`write_answer`](super::write_answer)) and
+/// returns the time that the matching alone took; what it returns as an error becomes the message of
+/// `failed`. Errors when a line is no message, or when nobody listens any more.
 pub fn serve(
     input: impl BufRead,
     mut output: impl Write,
     name: &str,
     version: &str,
-    mut matcher: impl FnMut(&Job, &Image, &Image) -> Result<(Answer, Duration), String>,
+    mut matcher: impl FnMut(&Job, &Image, &Image) -> Result<Duration, String>,
 ) -> io::Result<()> {
     let ready = Ready {
         protocol: protocol::VERSION,
@@ -31,11 +32,7 @@ pub fn serve(
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
         let written = read_images(&job)
             .map_err(|error| error.to_string())
-            .and_then(|(left, right)| matcher(&job, &left, &right))
-            .and_then(|(answer, took)| match write_answer(&job, &answer) {
-                Ok(()) => Ok(took),
-                Err(error) => Err(error.to_string()),
-            });
+            .and_then(|(left, right)| matcher(&job, &left, &right));
         let message = match written {
             Ok(took) => FromEngine::Done { job: job.job, seconds: Some(took.as_secs_f64()) },
             Err(message) => FromEngine::Failed { job: job.job, message },
@@ -54,7 +51,7 @@ fn say(output: &mut impl Write, message: &FromEngine) -> io::Result<()> {
 mod tests {
     use raster::{BoundingBox, DisparityRange, Plane};
 
-    use super::super::exchange::{Pair, read_answer, write_job};
+    use super::super::exchange::{Pair, read_answer, write_answer, write_job};
     use super::*;
 
     #[test]
@@ -74,8 +71,8 @@ mod tests {
         serve(input.as_bytes(), &mut output, "test", "1", |job, left, _| match job.job {
             1 => {
                 let disparity = Plane::filled(left.columns(), left.rows(), 1.0);
-                let answer = Answer { disparity, reasons: None, confidence: None };
-                Ok((answer, Duration::from_millis(250)))
+                write_answer(job, &disparity, None, None).unwrap();
+                Ok(Duration::from_millis(250))
             }
             _ => Err("no more".into()),
         })

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use arena::engine::protocol::Job;
-use arena::engine::{Answer, serve};
+use arena::engine::{serve, write_answer};
 use matching::{Ingredient, Matcher, Options, Preset};
 use raster::{DisparityRange, Image};
 
@@ -66,7 +66,7 @@ fn answer(
     job: &Job,
     left: &Image,
     right: &Image,
-) -> Result<(Answer, Duration), String> {
+) -> Result<Duration, String> {
     let range = job.range().map_err(|error| error.to_string())?;
     let bounds = job.bounding_box().map_err(|error| error.to_string())?;
     if !matches!(kept, Some((known, count, _)) if *known == range && *count == threads) {
@@ -79,10 +79,8 @@ fn answer(
     let started = Instant::now();
     let map = matcher.compute(left, right, Some(bounds)).map_err(|error| error.to_string())?;
     let took = started.elapsed();
-    let answer = Answer {
-        disparity: map.values.clone(),
-        reasons: Some(map.reasons.clone()),
-        confidence: Some(map.confidence.clone()),
-    };
-    Ok((answer, took))
+    // As it lies in the matcher: a copy would be a good part of what a large frame takes.
+    write_answer(job, &map.values, Some(&map.reasons), Some(&map.confidence))
+        .map_err(|error| error.to_string())?;
+    Ok(took)
 }
