@@ -181,6 +181,33 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_is_answered_alike_whatever_came_before() {
+        // Cards before a wall: holes and edges.
+        let frame = |columns: usize, rows: usize| {
+            [0, 1].map(|view| {
+                Image::Grey8(Plane::from_fn(columns, rows, |x, y| {
+                    let near = |x: usize| (x / 11 + y / 13) % 3 == 0;
+                    let x = x + view * if near(x) { 9 } else { 2 };
+                    (x * 7919 + y * 104_729 + x * x * y * 31) as u8
+                }))
+            })
+        };
+        for preset in Preset::ALL {
+            let mut options = Options::new(preset, DisparityRange::new(0, 15).unwrap());
+            options.threads = 1;
+            let matcher = || Matcher::new(options.clone()).unwrap();
+            let mut kept = matcher();
+            for (columns, rows) in [(150, 40), (40, 60), (7, 5), (90, 300)] {
+                let [left, right] = frame(columns, rows);
+                let map = kept.compute(&left, &right, None).unwrap();
+                let mut fresh = matcher();
+                let expected = fresh.compute(&left, &right, None).unwrap();
+                assert!(map == expected, "{preset}, {columns} x {rows}");
+            }
+        }
+    }
+
+    #[test]
     fn every_stage_of_every_preset_says_what_it_moves() {
         for preset in Preset::ALL {
             let stages = profile(preset, None);
