@@ -186,7 +186,7 @@ mod tests {
         let frame = |columns: usize, rows: usize| {
             [0, 1].map(|view| {
                 Image::Grey8(Plane::from_fn(columns, rows, |x, y| {
-                    let near = |x: usize| (x / 11 + y / 13) % 3 == 0;
+                    let near = |x: usize| (x / 11 + y / 13).is_multiple_of(3);
                     let x = x + view * if near(x) { 9 } else { 2 };
                     (x * 7919 + y * 104_729 + x * x * y * 31) as u8
                 }))
