@@ -53,8 +53,8 @@ fn picked(
 }
 
 /// What is learned from about so many pixels of a pair. Each is so many numbers: its truth, how many
-/// pixels it stands for (in the mean of those picked 1), disparities, which of them count, what is known of each, of
-/// the pixel.
+/// pixels it stands for (in the mean of those picked 1), disparities, which of them count, what is
+/// known of each, of the pixel.
 pub fn lesson(
     preset: Preset,
     data: &CaseData,

@@ -18,6 +18,7 @@ use std::process::ExitCode;
 
 use arena::dataset::{self, Case, CaseData, Purpose};
 use clap::Parser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use formats::write_atomically;
 use matching::Preset;
 use scenes::{Kind, Random, Settings};
@@ -26,8 +27,8 @@ use strain::Strain;
 /// Writes what `choice.py` learns from.
 #[derive(Parser)]
 struct Arguments {
-    /// Whose judge is to learn: balanced or best.
-    #[arg(long, value_parser = preset)]
+    /// Whose judge is to learn.
+    #[arg(long, value_parser = PossibleValuesParser::new(["balanced", "best"]).try_map(|name| name.parse::<Preset>()))]
     preset: Preset,
     /// The folder with `scenes.json`.
     #[arg(long, env = "HAZCAM_DATA")]
@@ -53,11 +54,6 @@ struct Arguments {
 const FIRST_SEED: u64 = 1000;
 /// Keeps this program's chances apart from those of the scenes.
 const PURPOSE: &str = "training";
-
-fn preset(name: &str) -> Result<Preset, String> {
-    let all = [Preset::Balanced, Preset::Best];
-    all.into_iter().find(|preset| preset.name() == name).ok_or("give balanced or best".into())
-}
 
 type Failure = Box<dyn Error + Send + Sync>;
 

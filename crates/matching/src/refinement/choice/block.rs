@@ -90,6 +90,7 @@ impl<'a> Compared<'a> {
 
 /// Pixels of a row, their candidates and what is known of them. Neighbours first: then those that have
 /// a choice are [taken](Block::take) into another block, where more is asked.
+#[derive(Default)]
 pub(super) struct Block {
     y: usize,
     /// Where the pixels lie in the map.
@@ -123,32 +124,6 @@ const VOTES: usize = 4;
 
 pub(super) const NONE: Lanes = [0.0; LANES];
 
-impl Default for Block {
-    fn default() -> Self {
-        Self {
-            y: 0,
-            columns: [0; LANES],
-            places: &[],
-            disparities: [NONE; MOST],
-            inside: [NONE; MOST],
-            open: [false; LANES],
-            here: NONE,
-            smallest: NONE,
-            largest: NONE,
-            steep: [NONE; MOST],
-            confidence: [NONE; MOST],
-            filled: [NONE; MOST],
-            doubt: [NONE; MOST],
-            shade: [NONE; MOST],
-            edges: [NONE; MOST],
-            heard: [[NONE; VOTES]; MOST],
-            votes: [[NONE; VOTES]; MOST],
-            windows: Several::NONE,
-            of_pixel: [NONE; OF_PIXEL],
-        }
-    }
-}
-
 impl Block {
     /// With candidates of the map.
     #[cfg(test)]
@@ -178,14 +153,13 @@ impl Block {
         let (mut smallest, mut largest) = (here, here);
         let mut undecided = [false; LANES];
         for (k, place) in reach.places.iter().enumerate() {
-            let (u, v) = (x as i64 + i64::from(place.columns), y as i64 + i64::from(place.rows));
-            let in_map = (0..rows as i64).contains(&v);
-            let v = if in_map { v as usize } else { y };
+            let (u, row) = place.seen_from(x, y, rows);
+            let v = row.unwrap_or(y);
             let values = run(scene.values.row(v), u);
             let along = run(scene.strip.slopes.along.row(scene.strip.row(v)), u);
             let down = run(scene.strip.slopes.down.row(scene.strip.row(v)), u);
             let (dx, dy) = (place.columns as f32, place.rows as f32);
-            let inside = if in_map { inside(u, columns) } else { NONE };
+            let inside = if row.is_some() { inside(u, columns) } else { NONE };
             let disparities = &mut self.disparities[k];
             for l in 0..LANES {
                 let d = values[l] - (along[l] * dx + down[l] * dy);
@@ -224,15 +198,15 @@ impl Block {
     /// Looks at the pixels and at where their candidates come from.
     #[inline(always)]
     pub fn look(&mut self, scene: &Scene<'_>) {
-        let (x, y) = (self.columns[0] as i64, self.y);
+        let (x, y) = (self.columns[0], self.y);
         let Scene { strip, given, .. } = scene;
-        let grey_here = run(strip.base.grey_row(strip.row(y)), given.first as i64 + x);
+        let grey_here = run(strip.base.grey_row(strip.row(y)), (given.first + x) as i64);
         for (k, place) in self.places.iter().enumerate() {
-            let (u, v) = (x + i64::from(place.columns), y as i64 + i64::from(place.rows));
-            let v = if (0..scene.values.rows() as i64).contains(&v) { v as usize } else { y };
+            let (u, row) = place.seen_from(x, y, scene.values.rows());
+            let v = row.unwrap_or(y);
             let reasons = run(scene.reasons.row(v), u);
             let grey = run(strip.base.grey_row(strip.row(v)), given.first as i64 + u);
-            let sums_here = run(strip.edges.row(place.way, strip.row(y)), x);
+            let sums_here = run(strip.edges.row(place.way, strip.row(y)), x as i64);
             let sums = run(strip.edges.row(place.way, strip.row(v)), u);
             self.confidence[k] = run(scene.confidence.row(v), u);
             self.doubt[k] = doubt(given, u, v);
@@ -244,7 +218,7 @@ impl Block {
             }
         }
         self.of_pixel[0] = self.confidence[0];
-        let reasons = run(scene.reasons.row(y), x);
+        let reasons = run(scene.reasons.row(y), x as i64);
         for l in 0..LANES {
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
             self.of_pixel[2][l] = share(reasons[l] == Reason::MismatchedFilled);
@@ -276,9 +250,14 @@ impl Block {
         }
     }
 
-    /// Compares the pixels' windows and the candidates with each other; then hints can be asked for.
+    /// Compares the windows of the first pixels, so many, and their candidates with each other; then
+    /// hints can be asked for. The other pixels are of no interest.
     #[inline(always)]
-    pub fn compare(&mut self, given: &Given<'_>, compared: &Compared<'_>) {
+    pub fn compare(&mut self, count: usize, given: &Given<'_>, compared: &Compared<'_>) {
+        // They may lie beyond the ends of the map.
+        for l in count..LANES {
+            self.columns[l] = self.columns[0];
+        }
         let mut columns = [0; LANES];
         for l in 0..LANES {
             columns[l] = given.first + self.columns[l];

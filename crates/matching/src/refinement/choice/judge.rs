@@ -44,6 +44,7 @@ pub(crate) struct Judge {
 }
 
 /// What a judge keeps in mind of pixels while it looks at their candidates.
+#[derive(Default)]
 pub(super) struct Mind {
     /// What the pixels add to the first layer.
     own: [Lanes; LARGEST],
@@ -52,17 +53,6 @@ pub(super) struct Mind {
     /// Of each candidate, in the end how likely it is and how far it is expected to be off.
     scores: [Lanes; MOST],
     expected: [Lanes; MOST],
-}
-
-impl Default for Mind {
-    fn default() -> Self {
-        Self {
-            own: [NONE; LARGEST],
-            numbers: [NONE; LARGEST],
-            scores: [NONE; MOST],
-            expected: [NONE; MOST],
-        }
-    }
 }
 
 /// What a judge says of pixels.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use raster::Plane;
 
-use super::block::{Block, Compared, LANES, OF_EACH, OF_PIXEL, Scene};
+use super::block::{Block, Compared, OF_EACH, OF_PIXEL, Scene};
 use super::reach::Reach;
 use super::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
@@ -60,11 +60,7 @@ at_every_level! {
             return None;
         }
         block.look(scene);
-        for l in 1..LANES {
-            // The pixels beside it may lie beyond the end of the row.
-            block.columns[l] = pixel.0;
-        }
-        block.compare(scene.given, compared);
+        block.compare(1, scene.given, compared);
         let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
         for k in 0..block.candidates() {
             known.disparities.push(block.disparities[k][0]);

@@ -141,11 +141,7 @@ fn decide(
     out: &mut [f32],
     certainty: &mut [f32],
 ) {
-    // What waited there before may lie beyond the ends of this map.
-    for l in count..LANES {
-        asked.columns[l] = asked.columns[0];
-    }
-    asked.compare(given, compared);
+    asked.compare(count, given, compared);
     judge.look(&asked.of_pixel, mind);
     for k in 0..asked.candidates() {
         judge.score(k, &asked.hints(given, compared, k), mind);

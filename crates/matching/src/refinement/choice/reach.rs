@@ -14,6 +14,16 @@ pub(crate) struct Place {
     pub way: usize,
 }
 
+impl Place {
+    /// The column in which it lies from pixel `(x, y)`, and its row if a map of so many has it.
+    #[inline(always)]
+    pub fn seen_from(&self, x: usize, y: usize, rows: usize) -> (i64, Option<usize>) {
+        let row = y as i64 + i64::from(self.rows);
+        let row = if row >= 0 && row < rows as i64 { Some(row as usize) } else { None };
+        (x as i64 + i64::from(self.columns), row)
+    }
+}
+
 /// The places of all candidates of a pixel; the first is its own.
 #[derive(Debug)]
 pub(crate) struct Reach {

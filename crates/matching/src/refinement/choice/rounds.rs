@@ -88,7 +88,8 @@ impl Choices {
         let ViewMap { values: other, reasons, .. } = map;
         let (columns, rows) = values.size();
         let mut done = Work::bytes(0);
-        for (round, judge) in jury.judges(with_last).iter().enumerate() {
+        let lessons = lesson.as_mut().map(Err);
+        for (round, judge) in jury.judges(with_last).iter().map(Ok).chain(lessons).enumerate() {
             match round {
                 // What the last frame left is not read any more: a single round needs one plane.
                 0 => {
@@ -100,8 +101,20 @@ impl Choices {
                     std::mem::swap(values, other);
                 }
             }
-            next.reset(columns, rows, 1.0);
             let confidence = if round == 0 { confidence } else { certainty.view() };
+            let judge = match judge {
+                Ok(judge) => judge,
+                Err(lesson) => {
+                    let pixels = lesson.pick(values);
+                    for rows in Strip::all(rows) {
+                        strip.compute(level, given, reach, values, &rows);
+                        let scene = Scene { values, reasons, confidence, strip, given };
+                        lesson.learn(level, &scene, reach, &pixels, &rows);
+                    }
+                    break;
+                }
+            };
+            next.reset(columns, rows, 1.0);
             for rows in Strip::all(rows) {
                 done = done + strip.compute(level, given, reach, values, &rows);
                 let scene = Scene { values, reasons, confidence, strip, given };
@@ -113,20 +126,6 @@ impl Choices {
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
             done = done + unconfirm(given, other, values, reasons);
-        }
-        if let Some(lesson) = lesson {
-            let rounds = jury.judges(with_last).len();
-            if rounds > 0 {
-                median_of_map(level, values, other);
-                std::mem::swap(values, other);
-            }
-            let confidence = if rounds == 0 { confidence } else { certainty.view() };
-            let pixels = lesson.pick(values);
-            for rows in Strip::all(rows) {
-                strip.compute(level, given, reach, values, &rows);
-                let scene = Scene { values, reasons, confidence, strip, given };
-                lesson.learn(level, &scene, reach, &pixels, &rows);
-            }
         }
         done
     }

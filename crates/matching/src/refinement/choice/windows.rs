@@ -31,7 +31,7 @@ pub(super) struct Window {
 }
 
 /// The windows of pixels of one row, or of their matches.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Several {
     census: [u64; LANES],
     own_and_steps: [[u8; 8]; LANES],
@@ -47,12 +47,10 @@ pub(super) struct Fits {
 }
 
 impl Several {
-    pub const NONE: Self = Self { census: [0; LANES], own_and_steps: [[0; 8]; LANES] };
-
     /// The windows at these columns.
     #[inline(always)]
     pub fn at(windows: &[Window], columns: &[usize; LANES]) -> Self {
-        let mut several = Self::NONE;
+        let mut several = Self::default();
         for l in 0..LANES {
             let window = &windows[columns[l]];
             several.census[l] = window.census;
