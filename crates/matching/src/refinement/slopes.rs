@@ -1,7 +1,8 @@
 //! The slopes of a disparity map: medians of differences over four pixels, in a 5 x 5 window, clamped
 //! to 1/2. Beside an edge most of the window lies on one side.
 //!
-//! In: finite values. Differences that reach beyond the map do not count.
+//! In: finite values. Beside an end of the map the nearest differences that do not reach beyond it
+//! are repeated; a map of fewer than five columns or rows is flat that way.
 
 use std::ops::Range;
 
@@ -43,75 +44,59 @@ impl Slopes {
     }
 }
 
-/// The slopes of row `y`: changes per column and per row.
-fn slopes_of_row(level: Level, values: &Plane<f32>, y: usize, along: &mut [f32], down: &mut [f32]) {
-    let (columns, rows) = values.size();
-    // Where no window of differences meets an end of the map.
-    let whole = y >= 4 && y + 4 < rows && columns >= BLOCK + 8;
-    let inner = if whole { 4..columns - 4 } else { 0..0 };
-    for start in inner.clone().step_by(BLOCK) {
-        let start = start.min(inner.end - BLOCK);
-        let [along, down] = [&mut *along, &mut *down].map(|slopes| &mut slopes[start..]);
-        slopes_of_block(level, values, start, y, along, down);
-    }
-    for x in (0..inner.start).chain(inner.end..columns) {
-        (along[x], down[x]) = slopes_at(values, x, y);
+at_every_level! {
+    /// The slopes of row `y`: changes per column and per row.
+    fn slopes_of_row(values: &Plane<f32>, y: usize, along: &mut [f32], down: &mut [f32]) {
+        for x in (0..along.len()).step_by(BLOCK) {
+            let size = BLOCK.min(along.len() - x);
+            let [wide, high] = differences(values, x, y, size);
+            for (slopes, differences) in [(&mut *along, wide), (&mut *down, high)] {
+                let medians = medians_of_block(differences);
+                for (slope, median) in slopes[x..x + size].iter_mut().zip(medians) {
+                    *slope = median.clamp(-STEEPEST, STEEPEST);
+                }
+            }
+        }
     }
 }
 
-at_every_level! {
-    /// The slopes of the planes from `(x, y)` on, away from the ends of the map.
-    fn slopes_of_block(
-        values: &Plane<f32>,
-        x: usize,
-        y: usize,
-        along: &mut [f32],
-        down: &mut [f32],
-    ) {
-        let [mut wide, mut high] = [[[0.0; BLOCK + 4]; 5]; 2];
-        for j in 0..5 {
-            let rows = [y + j - 4, y + j - 2, y + j];
-            let [above, here, below] = rows.map(|v| &values.row(v)[x - 4..][..BLOCK + 8]);
+/// The differences along and down the map in the windows of so many pixels from `(x, y)` on.
+#[inline(always)]
+fn differences(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median::Rows<f32>; 2] {
+    let (columns, rows) = values.size();
+    let [mut wide, mut high] = [[[0.0; BLOCK + 4]; 5]; 2];
+    let inner = x >= 4 && x + BLOCK + 4 <= columns;
+    for j in 0..5 {
+        let v = (y + j).saturating_sub(2).min(rows - 1);
+        let here = values.row(v);
+        // Where there is no difference all are 0.
+        let [above, below] = match middle(v, rows) {
+            Some(v) => [v - 2, v + 2].map(|v| values.row(v)),
+            None => [here; 2],
+        };
+        if inner {
+            let [above, here, below] = [above, here, below].map(|row| &row[x - 4..][..BLOCK + 8]);
             for i in 0..BLOCK + 4 {
                 wide[j][i] = 0.25 * (here[i + 4] - here[i]);
                 high[j][i] = 0.25 * (below[i + 2] - above[i + 2]);
             }
-        }
-        for (slopes, differences) in [(along, wide), (down, high)] {
-            for (slope, median) in slopes.iter_mut().zip(medians_of_block(differences)) {
-                *slope = median.clamp(-STEEPEST, STEEPEST);
+        } else {
+            for i in 0..size + 4 {
+                let u = (x + i).saturating_sub(2).min(columns - 1);
+                if let Some(u) = middle(u, columns) {
+                    wide[j][i] = 0.25 * (here[u + 2] - here[u - 2]);
+                }
+                high[j][i] = 0.25 * (below[u] - above[u]);
             }
         }
     }
+    [wide, high]
 }
 
-/// The slopes at a pixel: the definition.
-fn slopes_at(values: &Plane<f32>, x: usize, y: usize) -> (f32, f32) {
-    let (columns, rows) = values.size();
-    let (mut along, mut down) = ([0.0f32; 25], [0.0f32; 25]);
-    let (mut n, mut m) = (0, 0);
-    for v in y.saturating_sub(2)..=(y + 2).min(rows - 1) {
-        for u in x.saturating_sub(2)..=(x + 2).min(columns - 1) {
-            if u >= 2 && u + 2 < columns {
-                along[n] = 0.25 * (values.row(v)[u + 2] - values.row(v)[u - 2]);
-                n += 1;
-            }
-            if v >= 2 && v + 2 < rows {
-                down[m] = 0.25 * (values.row(v + 2)[u] - values.row(v - 2)[u]);
-                m += 1;
-            }
-        }
-    }
-    let median = |differences: &mut [f32]| {
-        let middle = differences.len() / 2;
-        if differences.is_empty() {
-            0.0
-        } else {
-            let (_, &mut median, _) = differences.select_nth_unstable_by(middle, f32::total_cmp);
-            median.clamp(-STEEPEST, STEEPEST)
-        }
-    };
-    (median(&mut along[..n]), median(&mut down[..m]))
+/// The nearest of so many places that has two more on both sides.
+#[inline(always)]
+fn middle(place: usize, places: usize) -> Option<usize> {
+    (places > 4).then(|| place.clamp(2, places - 3))
 }
 
 #[cfg(test)]
@@ -119,9 +104,38 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
 
+    /// The slopes at a pixel: the definition.
+    fn slopes_at(values: &Plane<f32>, x: usize, y: usize) -> (f32, f32) {
+        let (columns, rows) = values.size();
+        let window = |at: usize, end: usize| {
+            (-2..=2).map(move |i| (at as i64 + i).clamp(0, end as i64 - 1) as usize)
+        };
+        let median = |difference: &dyn Fn(usize, usize) -> f32| {
+            let pixels = window(y, rows).flat_map(|v| window(x, columns).map(move |u| (u, v)));
+            let mut all: Vec<f32> = pixels.map(|(u, v)| difference(u, v)).collect();
+            all.sort_by(f32::total_cmp);
+            all[12].clamp(-0.5, 0.5)
+        };
+        let along = |u: usize, v: usize| match columns {
+            0..5 => 0.0,
+            _ => {
+                let (u, row) = (u.clamp(2, columns - 3), values.row(v));
+                0.25 * (row[u + 2] - row[u - 2])
+            }
+        };
+        let down = |u: usize, v: usize| match rows {
+            0..5 => 0.0,
+            _ => {
+                let v = v.clamp(2, rows - 3);
+                0.25 * (values.row(v + 2)[u] - values.row(v - 2)[u])
+            }
+        };
+        (median(&along), median(&down))
+    }
+
     #[test]
     fn slopes_are_those_of_the_definition_at_every_level() {
-        for (columns, rows) in [(1, 1), (6, 12), (72, 9), (150, 14)] {
+        for (columns, rows) in [(1, 1), (4, 12), (6, 4), (72, 9), (150, 14)] {
             let mut chance = Chance(columns as u32);
             let values = Plane::from_fn(columns, rows, |x, y| {
                 let step = if x > columns / 2 { 9.0 } else { 0.0 };

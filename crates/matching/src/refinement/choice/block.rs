@@ -137,29 +137,35 @@ impl Block {
         self.places.len()
     }
 
-    /// Finds the candidates of the pixels from `(x, y)` on; says whether any has a choice.
+    /// Finds the candidates of every so many-th pixel from `(x, y)` on; says whether any has a choice.
     #[inline(always)]
-    pub fn find(&mut self, scene: &Scene<'_>, reach: &Reach, x: usize, y: usize) -> bool {
+    pub fn find<const EVERY: usize>(
+        &mut self,
+        scene: &Scene<'_>,
+        reach: &Reach,
+        x: usize,
+        y: usize,
+    ) -> bool {
         (self.y, self.places) = (y, reach.places);
         self.open = [false; LANES];
         for l in 0..LANES {
-            self.columns[l] = x + l;
+            self.columns[l] = x + EVERY * l;
         }
         let (columns, rows) = scene.values.size();
         let (least, most) = (scene.given.least, scene.given.most);
-        self.here = run(scene.values.row(y), x as i64);
+        self.here = run::<_, EVERY>(scene.values.row(y), x as i64);
         let here = self.here;
-        let settled = settled(scene, x, y);
+        let settled = settled::<EVERY>(scene, x, y);
         let (mut smallest, mut largest) = (here, here);
         let mut undecided = [false; LANES];
         for (k, place) in reach.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, rows);
             let v = row.unwrap_or(y);
-            let values = run(scene.values.row(v), u);
-            let along = run(scene.strip.slopes.along.row(scene.strip.row(v)), u);
-            let down = run(scene.strip.slopes.down.row(scene.strip.row(v)), u);
+            let values = run::<_, EVERY>(scene.values.row(v), u);
+            let along = run::<_, EVERY>(scene.strip.slopes.along.row(scene.strip.row(v)), u);
+            let down = run::<_, EVERY>(scene.strip.slopes.down.row(scene.strip.row(v)), u);
             let (dx, dy) = (place.columns as f32, place.rows as f32);
-            let inside = if row.is_some() { inside(u, columns) } else { NONE };
+            let inside = if row.is_some() { inside::<EVERY>(u, columns) } else { NONE };
             let disparities = &mut self.disparities[k];
             for l in 0..LANES {
                 let d = values[l] - (along[l] * dx + down[l] * dy);
@@ -188,28 +194,30 @@ impl Block {
         (self.smallest, self.largest) = (smallest, largest);
         let mut any = false;
         for l in 0..LANES {
-            let open = undecided[l] & (largest[l] - smallest[l] > reach.choice) & (x + l < columns);
+            let is_one = self.columns[l] < columns;
+            let open = is_one & undecided[l] & (largest[l] - smallest[l] > reach.choice);
             self.open[l] = open;
             any |= open;
         }
         any
     }
 
-    /// Looks at the pixels and at where their candidates come from.
+    /// Looks at the pixels, every so many-th, and at where their candidates come from.
     #[inline(always)]
-    pub fn look(&mut self, scene: &Scene<'_>) {
+    pub fn look<const EVERY: usize>(&mut self, scene: &Scene<'_>) {
         let (x, y) = (self.columns[0], self.y);
         let Scene { strip, given, .. } = scene;
-        let grey_here = run(strip.base.grey_row(strip.row(y)), (given.first + x) as i64);
+        let grey_here =
+            run::<_, EVERY>(strip.base.grey_row(strip.row(y)), (given.first + x) as i64);
         for (k, place) in self.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, scene.values.rows());
             let v = row.unwrap_or(y);
-            let reasons = run(scene.reasons.row(v), u);
-            let grey = run(strip.base.grey_row(strip.row(v)), given.first as i64 + u);
-            let sums_here = run(strip.edges.row(place.way, strip.row(y)), x as i64);
-            let sums = run(strip.edges.row(place.way, strip.row(v)), u);
-            self.confidence[k] = run(scene.confidence.row(v), u);
-            self.doubt[k] = doubt(given, u, v);
+            let reasons = run::<_, EVERY>(scene.reasons.row(v), u);
+            let grey = run::<_, EVERY>(strip.base.grey_row(strip.row(v)), given.first as i64 + u);
+            let sums_here = run::<_, EVERY>(strip.edges.row(place.way, strip.row(y)), x as i64);
+            let sums = run::<_, EVERY>(strip.edges.row(place.way, strip.row(v)), u);
+            self.confidence[k] = run::<_, EVERY>(scene.confidence.row(v), u);
+            self.doubt[k] = doubt::<EVERY>(given, u, v);
             for l in 0..LANES {
                 self.filled[k][l] = share(reasons[l] != Reason::Matched);
                 self.shade[k][l] = f32::from(grey[l].abs_diff(grey_here[l])) * 0.05;
@@ -218,7 +226,7 @@ impl Block {
             }
         }
         self.of_pixel[0] = self.confidence[0];
-        let reasons = run(scene.reasons.row(y), x as i64);
+        let reasons = run::<_, EVERY>(scene.reasons.row(y), x as i64);
         for l in 0..LANES {
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
             self.of_pixel[2][l] = share(reasons[l] == Reason::MismatchedFilled);
@@ -405,28 +413,30 @@ pub(super) fn nearest(number: f32) -> i32 {
     (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
 }
 
-/// The samples of a row from `start` on; beyond its ends the row is repeated.
+/// Every so many-th sample of a row from `start` on; beyond its ends the row is repeated.
 #[inline(always)]
-fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    match row.get(start as usize..).and_then(|row| row.first_chunk()) {
-        Some(run) => *run,
-        None => run_at_end(row, start),
+fn run<T: Copy, const EVERY: usize>(row: &[T], start: i64) -> [T; LANES] {
+    let all = const { EVERY * LANES };
+    match row.get(start as usize..).and_then(|row| row.get(..all)) {
+        Some(run) => std::array::from_fn(|l| run[EVERY * l]),
+        None => run_at_end(row, start, EVERY),
     }
 }
 
 #[cold]
 #[inline(never)]
-fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    std::array::from_fn(|l| row[(start + l as i64).clamp(0, row.len() as i64 - 1) as usize])
+fn run_at_end<T: Copy>(row: &[T], start: i64, every: usize) -> [T; LANES] {
+    let last = row.len() as i64 - 1;
+    std::array::from_fn(|l| row[(start + (every * l) as i64).clamp(0, last) as usize])
 }
 
-/// 1 for the columns from `start` on that lie inside a row of so many, 0 for others.
+/// 1 for every so many-th column from `start` on that lies inside a row of so many, 0 for others.
 #[inline(always)]
-fn inside(start: i64, columns: usize) -> Lanes {
+fn inside<const EVERY: usize>(start: i64, columns: usize) -> Lanes {
     let mut inside = [1.0; LANES];
-    if start < 0 || start + LANES as i64 > columns as i64 {
+    if start < 0 || start + (EVERY * LANES) as i64 > columns as i64 {
         for l in 0..LANES {
-            inside[l] = share((0..columns as i64).contains(&(start + l as i64)));
+            inside[l] = share((0..columns as i64).contains(&(start + (EVERY * l) as i64)));
         }
     }
     inside
@@ -434,10 +444,10 @@ fn inside(start: i64, columns: usize) -> Lanes {
 
 /// 1 where descriptors were asked, else 0.
 #[inline(always)]
-fn doubt(given: &Given<'_>, u: i64, v: usize) -> Lanes {
+fn doubt<const EVERY: usize>(given: &Given<'_>, u: i64, v: usize) -> Lanes {
     let mut doubt = NONE;
     if !given.doubtful.samples().is_empty() {
-        let doubtful = run(given.doubtful.row(v), u);
+        let doubtful = run::<_, EVERY>(given.doubtful.row(v), u);
         for l in 0..LANES {
             doubt[l] = share(doubtful[l]);
         }
@@ -447,9 +457,9 @@ fn doubt(given: &Given<'_>, u: i64, v: usize) -> Lanes {
 
 /// Whether both views agreed on the pixels whenever they were asked.
 #[inline(always)]
-fn settled(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
-    let reasons = run(scene.reasons.row(y), x as i64);
-    let doubt = doubt(scene.given, x as i64, y);
+fn settled<const EVERY: usize>(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
+    let reasons = run::<_, EVERY>(scene.reasons.row(y), x as i64);
+    let doubt = doubt::<EVERY>(scene.given, x as i64, y);
     let mut settled = [false; LANES];
     for l in 0..LANES {
         settled[l] = (reasons[l] == Reason::Matched) & (doubt[l] == 0.0);

@@ -56,10 +56,10 @@ at_every_level! {
         pixel: (usize, usize),
     ) -> Option<Known> {
         let mut block = Block::default();
-        if !block.find(scene, reach, pixel.0, pixel.1) || !block.open[0] {
+        if !block.find::<1>(scene, reach, pixel.0, pixel.1) || !block.open[0] {
             return None;
         }
-        block.look(scene);
+        block.look::<1>(scene);
         block.compare(1, scene.given, compared);
         let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
         for k in 0..block.candidates() {

@@ -69,6 +69,7 @@ fn choose(
     out: &mut Plane<f32>,
 ) -> Work {
     let columns = scene.values.columns();
+    let choose_row = if reach.every == 1 { choose_row::<1> } else { choose_row::<2> };
     let height = rows.len().div_ceil(workers.len());
     let samples = rows.start * columns..rows.end * columns;
     let certainty = certainty.samples_mut()[samples.clone()].par_chunks_mut(columns * height);
@@ -94,8 +95,8 @@ fn choose(
 }
 
 at_every_level! {
-    /// Lets the pixels of row `y` choose; how many had a choice.
-    fn choose_row(
+    /// Lets every so many-th pixel of row `y` choose; how many had a choice.
+    fn choose_row<const EVERY: usize>(
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
@@ -106,13 +107,13 @@ at_every_level! {
     ) -> usize {
         let ((reach, judge), (block, asked, mind)) = (judge, memory);
         let (mut chosen, mut waiting) = (0, 0);
-        for x in (0..out.len()).step_by(LANES) {
-            if block.find(scene, reach, x, y) {
-                block.look(scene);
+        for x in (0..out.len()).step_by(EVERY * LANES) {
+            if block.find::<EVERY>(scene, reach, x, y) {
+                block.look::<EVERY>(scene);
             }
-            let last = x + LANES >= out.len();
+            let last = x + EVERY * LANES >= out.len();
             for l in 0..LANES {
-                if block.open[l] && (x + l).is_multiple_of(reach.every) {
+                if block.open[l] {
                     asked.take(waiting, block, l);
                     waiting += 1;
                 }
