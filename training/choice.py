@@ -5,8 +5,8 @@
     python3 training/choice.py target/choices.bin --preset best \
         --weights crates/matching/src/refinement/choice/best.bin
 
-Once for each round of choices, beginning with an empty file of weights: samples are taken after the
-rounds that are there, so every judge learns from what those before it left. Needs PyTorch and numpy.
+once for each round of choices: every judge learns from what those before it left. `judges.sh` does all
+of that. Needs PyTorch and numpy.
 
 The network is that of `judge.rs`. What it is taught: to give its probability to candidates near the
 truth, and little to those that are off by more than 2 px, less the farther they are off.

@@ -11,6 +11,7 @@
 mod lessons;
 mod strain;
 
+use std::collections::HashSet;
 use std::error::Error;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -36,6 +37,10 @@ struct Arguments {
     /// Tuning scenes to leave out: parts of their names.
     #[arg(long, num_args = 0..)]
     without: Vec<String>,
+    /// Of the tuning scenes one half alone, 1 or 2; scenes that differ in size or light are in one.
+    /// Rendered scenes belong to the first.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
+    half: Option<u8>,
     /// About how many pixels of a pair; a quarter of them of a strained or rendered one.
     #[arg(long, default_value_t = 18000)]
     pixels: usize,
@@ -85,6 +90,21 @@ fn check(without: &[String], cases: &[&Case]) -> Result<(), Failure> {
     }
 }
 
+/// Which half each scene belongs to: every second one that is of something else than those before it.
+fn halves(ids: &[&str]) -> Vec<u8> {
+    // Of `middlebury2005/Art-half` all before the hyphen.
+    let what = |id: &&str| {
+        let name = id.rfind('/').map_or(0, |slash| slash + 1);
+        let end = id[name..].find(['-', '_']).map_or(id.len(), |end| name + end);
+        id[..end].to_owned()
+    };
+    let mut seen: Vec<String> = ids.iter().map(what).collect();
+    let mut known = HashSet::new();
+    seen.retain(|what| known.insert(what.clone()));
+    let place = |id: &&str| seen.iter().position(|seen| *seen == what(id));
+    ids.iter().map(|id| 1 + place(id).map_or(0, |place| (place % 2) as u8)).collect()
+}
+
 /// Writes the samples, lesson after lesson; how many pixels they are.
 fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<usize, Failure> {
     let mut all = 0;
@@ -96,8 +116,10 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
         println!("{name}: {} pixels", lesson.len());
         Ok::<_, Failure>(())
     };
-    for (seed, case) in (1..).zip(cases) {
-        if arguments.without.iter().any(|part| case.id.contains(part)) {
+    let is_asked = |half: u8| arguments.half.is_none_or(|asked| asked == half);
+    let ids: Vec<_> = cases.iter().map(|case| case.id.as_str()).collect();
+    for ((seed, case), half) in (1..).zip(cases).zip(halves(&ids)) {
+        if !is_asked(half) || arguments.without.iter().any(|part| case.id.contains(part)) {
             continue;
         }
         // The views of the moon are much alike.
@@ -112,7 +134,7 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
             add(&format!("{} {strain:?}", case.id), &strained, pixels / 4, random.clone())?;
         }
     }
-    for kind in Kind::NAMED {
+    for kind in Kind::NAMED.into_iter().filter(|_| is_asked(1)) {
         for seed in FIRST_SEED..FIRST_SEED + arguments.rendered {
             let mut random = Random::new(seed, PURPOSE);
             let data = rendered(kind, seed, &mut random)?;
@@ -143,5 +165,16 @@ fn main() -> ExitCode {
             eprintln!("choices: {error}");
             ExitCode::FAILURE
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_scene_in_two_sizes_is_in_one_half() {
+        let ids = ["a/Art", "a/Books", "a/Dolls", "a/Art-half", "b_c/Books", "b_c/Dolls_1"];
+        assert_eq!(halves(&ids), [1, 2, 1, 1, 2, 1]);
     }
 }
