@@ -209,14 +209,19 @@ pub(super) fn verdict(block: &Block, mind: &mut Mind) -> Verdict {
     let shares = scores;
     expected[0] = NONE;
     for k in 1..n {
+        let (disparity, share) = (block.disparities[k], shares[k]);
         let mut own = NONE;
-        for i in 0..k {
+        let others = block.disparities.iter().zip(&*shares).zip(&mut *expected).take(k);
+        for ((other, other_share), other_expected) in others {
+            // Sums that are written to memory at every step would wait for each other.
+            let (mut here, mut there) = (own, *other_expected);
             for l in 0..LANES {
-                let off = (block.disparities[i][l] - block.disparities[k][l]).abs();
+                let off = (other[l] - disparity[l]).abs();
                 let off = if off < FAR { off } else { FAR };
-                expected[i][l] += off * shares[k][l];
-                own[l] += off * shares[i][l];
+                there[l] += off * share[l];
+                here[l] += off * other_share[l];
             }
+            (own, *other_expected) = (here, there);
         }
         expected[k] = own;
     }
