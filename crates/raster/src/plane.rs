@@ -3,6 +3,7 @@
 //! Rows are handed out as slices: loops run over slices, and no accessor per pixel stands in them.
 
 use std::fmt;
+use std::ops::Range;
 
 /// The number of samples does not fit the size.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -193,6 +194,19 @@ impl<'a, T> View<'a, T> {
         assert!(y < self.rows, "row {y} of a view with {} rows", self.rows);
         &self.samples[y * self.stride..][..self.columns]
     }
+
+    /// The part that some of its columns and rows have in common. Panics when it has not all of them.
+    pub fn part(&self, columns: Range<usize>, rows: Range<usize>) -> View<'a, T> {
+        assert!(
+            columns.end <= self.columns && rows.end <= self.rows,
+            "columns {columns:?} and rows {rows:?} of a view of {} x {}",
+            self.columns,
+            self.rows
+        );
+        let first = (rows.start * self.stride + columns.start).min(self.samples.len());
+        let (columns, rows) = (columns.len(), rows.len());
+        Self { samples: &self.samples[first..], columns, rows, ..*self }
+    }
 }
 
 impl<T: Clone> View<'_, T> {
@@ -233,6 +247,15 @@ mod tests {
         assert_eq!(view.to_plane().samples(), [1, 2, 3, 4]);
         assert!(View::new(2, 3, 3, &samples).is_err());
         assert!(View::new(4, 1, 3, &samples).is_err());
+    }
+
+    #[test]
+    fn a_part_has_the_columns_and_rows_that_it_was_asked_for() {
+        let plane = Plane::from_fn(5, 4, |x, y| 10 * y + x);
+        let part = plane.view().part(1..4, 2..4);
+        assert_eq!(part.to_plane().samples(), [21, 22, 23, 31, 32, 33]);
+        assert_eq!(part.part(1..2, 1..2).row(0), [32]);
+        assert_eq!(plane.view().part(5..5, 4..4).to_plane().size(), (0, 0));
     }
 
     #[test]

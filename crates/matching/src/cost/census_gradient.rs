@@ -15,7 +15,7 @@
 
 use std::ops::RangeInclusive;
 
-use raster::Plane;
+use raster::{Plane, View};
 use rayon::prelude::*;
 
 use super::SearchSpace;
@@ -52,7 +52,7 @@ impl Weights {
 }
 
 /// An image as census words see it, in all its bits, and as everything else does, in the upper 8.
-pub(crate) type Seen<'a> = (GreyView<'a>, &'a Plane<u8>);
+pub(crate) type Seen<'a> = (GreyView<'a>, View<'a, u8>);
 
 /// What the costs of one image are computed from, of the rows of a box.
 #[derive(Default)]
@@ -340,7 +340,7 @@ mod tests {
         };
         let left = Plane::from_fn(40, 6, |x, y| scramble(x, y, 1));
         let right = Plane::from_fn(40, 6, |x, y| scramble(x + 3, y, 1));
-        let views = [&left, &right].map(|image| (GreyView::Depth8(image.view()), image));
+        let views = [left.view(), right.view()].map(|image| (GreyView::Depth8(image), image));
         let word = |(view, _): Seen<'_>, x: usize, y: usize| {
             let mut words = [0; 40];
             CensusRows::default().words(Level::detect(), view, y, &mut words);

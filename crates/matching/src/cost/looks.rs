@@ -8,7 +8,7 @@
 //! In: two images. Out: bytes, at most 70, those of a row for one disparity after the other, so that
 //! neighbouring columns are compared together and a window of them lies together.
 
-use raster::Plane;
+use raster::{Plane, View};
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
@@ -34,8 +34,14 @@ pub(crate) struct Looks(Plane<u8>);
 
 impl Looks {
     /// Looks at rows `first..first + rows` of an image.
-    pub fn compute(&mut self, level: Level, image: &Plane<u8>, first: usize, rows: usize) -> Work {
-        let (columns, height) = image.size();
+    pub fn compute(
+        &mut self,
+        level: Level,
+        image: View<'_, u8>,
+        first: usize,
+        rows: usize,
+    ) -> Work {
+        let (columns, height) = (image.columns(), image.rows());
         self.0.reset(3 * columns, rows, 0);
         let looks = self.0.samples_mut().par_chunks_mut(3 * columns).enumerate();
         looks.for_each(|(y, looks)| {
@@ -206,7 +212,7 @@ mod tests {
         let image = Plane::new(3, 3, vec![1, 9, 2, 3, 4, 5, 8, 7, 6]).unwrap();
         let mut looks = Looks::default();
         for level in Level::available() {
-            looks.compute(level, &image, 1, 1);
+            looks.compute(level, image.view(), 1, 1);
             // Below 3: 1 and its repetition. Below 4: 1, 2 and 3. Below 5: 4 and 2 twice.
             assert_eq!(
                 looks.row(0),
@@ -224,8 +230,8 @@ mod tests {
             for level in Level::available() {
                 eprintln!("level {}", level.name());
                 let [mut base, mut other] = [Looks::default(), Looks::default()];
-                base.compute(level, &noise(width, 5, 1), 1, 3);
-                other.compute(level, &noise(width, 5, 2), 1, 3);
+                base.compute(level, noise(width, 5, 1).view(), 1, 3);
+                other.compute(level, noise(width, 5, 2).view(), 1, 3);
                 let columns = 2 * BLOCK;
                 let [base, other] = [&base, &other];
                 let what = Comparison { base, other, row: 1, start, columns, least, most };

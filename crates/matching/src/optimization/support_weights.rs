@@ -389,8 +389,8 @@ mod tests {
             for level in Level::available() {
                 eprintln!("level {}", level.name());
                 let [mut base, mut other] = [Looks::default(), Looks::default()];
-                base.compute(level, &left, 0, 30);
-                other.compute(level, &right, 0, 30);
+                base.compute(level, left.view(), 0, 30);
+                other.compute(level, right.view(), 0, 30);
                 let pair = Pair { base: &base, other: &other, first, least, most };
                 let cost = |y: usize, u: i64, d: i32| {
                     let a = base.row(y).map(|part| part[u as usize]);
@@ -419,8 +419,8 @@ mod tests {
         let (left, right, truth) = scene();
         let grown = Plane::from_fn(60, 30, |x, _| if (20..43).contains(&x) { 8.0 } else { 2.0 });
         let (mut base, mut other) = (Looks::default(), Looks::default());
-        base.compute(Level::detect(), &left, 0, 30);
-        other.compute(Level::detect(), &right, 0, 30);
+        base.compute(Level::detect(), left.view(), 0, 30);
+        other.compute(Level::detect(), right.view(), 0, 30);
         let pair = Pair { base: &base, other: &other, first: 0, least: 0, most: 15 };
         for level in Level::available() {
             eprintln!("level {}", level.name());

@@ -39,6 +39,8 @@ impl GreyView<'_> {
 pub(crate) struct GreyBuffer {
     depth8: Plane<u8>,
     depth16: Plane<u16>,
+    /// Of grey with 16 bits.
+    upper: Plane<u8>,
 }
 
 fn luma([r, g, b]: [u32; 3]) -> u32 {
@@ -59,26 +61,63 @@ impl GreyBuffer {
         pixel * (columns * rows)
     }
 
+    /// What [`GreyBuffer::with_upper_bits`] does.
+    pub fn work_with_upper_bits(image: &Image) -> Work {
+        let (columns, rows) = image.size();
+        let upper = match image {
+            Image::Grey8(_) | Image::Rgb8(_) => Work::default(),
+            Image::Grey16(_) | Image::Rgb16(_) => Work::bytes((2 + 1) * columns * rows),
+        };
+        Self::work(image) + upper
+    }
+
     /// The image's grey: borrowed from the image itself, or computed here from its colours.
     pub fn view<'a>(&'a mut self, image: &'a Image) -> GreyView<'a> {
-        let (columns, rows) = image.size();
-        match image {
-            Image::Grey8(plane) => GreyView::Depth8(plane.view()),
-            Image::Grey16(plane) => GreyView::Depth16(plane.view()),
-            Image::Rgb8(plane) => {
-                self.depth8.reset(columns, rows, 0);
-                for (grey, c) in self.depth8.samples_mut().iter_mut().zip(plane.samples()) {
-                    *grey = luma(c.map(u32::from)) as u8;
+        grey(&mut self.depth8, &mut self.depth16, image)
+    }
+
+    /// The image's grey, and the upper 8 bits of it.
+    pub fn with_upper_bits<'a>(&'a mut self, image: &'a Image) -> (GreyView<'a>, View<'a, u8>) {
+        let Self { depth8, depth16, upper } = self;
+        let grey = grey(depth8, depth16, image);
+        let bits = match grey {
+            GreyView::Depth8(view) => view,
+            GreyView::Depth16(view) => {
+                upper.reset(view.columns(), view.rows(), 0);
+                for y in 0..view.rows() {
+                    let samples = upper.row_mut(y).iter_mut().zip(view.row(y));
+                    samples.for_each(|(to, from)| *to = (from >> 8) as u8);
                 }
-                GreyView::Depth8(self.depth8.view())
+                upper.view()
             }
-            Image::Rgb16(plane) => {
-                self.depth16.reset(columns, rows, 0);
-                for (grey, c) in self.depth16.samples_mut().iter_mut().zip(plane.samples()) {
-                    *grey = luma(c.map(u32::from)) as u16;
-                }
-                GreyView::Depth16(self.depth16.view())
+        };
+        (grey, bits)
+    }
+}
+
+/// The image's grey, with memory for that of a colour image of either depth.
+fn grey<'a>(
+    depth8: &'a mut Plane<u8>,
+    depth16: &'a mut Plane<u16>,
+    image: &'a Image,
+) -> GreyView<'a> {
+    let (columns, rows) = image.size();
+    match image {
+        Image::Grey8(plane) => GreyView::Depth8(plane.view()),
+        Image::Grey16(plane) => GreyView::Depth16(plane.view()),
+        Image::Rgb8(plane) => {
+            depth8.reset(columns, rows, 0);
+            for (grey, c) in depth8.samples_mut().iter_mut().zip(plane.samples()) {
+                *grey = luma(c.map(u32::from)) as u8;
             }
+            GreyView::Depth8(depth8.view())
+        }
+        Image::Rgb16(plane) => {
+            depth16.reset(columns, rows, 0);
+            for (grey, c) in depth16.samples_mut().iter_mut().zip(plane.samples()) {
+                *grey = luma(c.map(u32::from)) as u16;
+            }
+            GreyView::Depth16(depth16.view())
         }
     }
 }
@@ -111,6 +150,12 @@ mod tests {
         let mut buffer = GreyBuffer::default();
         for image in images {
             assert_eq!(to_grey(buffer.view(&image)), image.to_grey());
+            let (grey, upper) = buffer.with_upper_bits(&image);
+            let expected = match to_grey(grey) {
+                Grey::Depth8(grey) => grey,
+                Grey::Depth16(grey) => grey.map(|sample| (sample >> 8) as u8),
+            };
+            assert_eq!(upper.to_plane(), expected);
         }
     }
 }

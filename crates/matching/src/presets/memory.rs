@@ -39,6 +39,14 @@ pub(super) fn grey(image: &Image) -> usize {
     }
 }
 
+/// Bytes per pixel that the upper bits of an image take beside its grey.
+fn upper_bits(image: &Image) -> usize {
+    match image {
+        Image::Grey8(_) | Image::Rgb8(_) => 0,
+        Image::Grey16(_) | Image::Rgb16(_) => 1,
+    }
+}
+
 /// What the rows of images of `width` columns take while they are worked on.
 pub(super) fn rows(width: usize) -> usize {
     ROW * width * rayon::current_num_threads() + ODDS_AND_ENDS
@@ -64,9 +72,8 @@ impl Needs {
         let (columns, lines) = (work.columns(), work.rows());
         // Pixels of the images, of their rows that are matched, and of the left one's part.
         let (all, wide, part) = (width * height, width * lines, columns * lines);
-        // The upper bits of both images.
-        let images = 2 * all;
-        let grey = (grey(frame.left) + grey(frame.right)) * all;
+        let of_image = |image| (grey(image) + upper_bits(image)) * all;
+        let images = of_image(frame.left) + of_image(frame.right);
         // Census words and steps of both, the right ones between margins; descriptors, and where they
         // are asked for.
         let places = part + wide + 2 * space.lanes * lines;
@@ -102,7 +109,7 @@ impl Needs {
         };
         let choice = if choice { Choices::bytes(jury, (columns, lines), width) } else { 0 };
         let refined = filled + seen + support_weights + choice;
-        let stages = images + grey + features + descriptors + left + prior + refined;
+        let stages = images + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }

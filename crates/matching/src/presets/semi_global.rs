@@ -21,7 +21,7 @@ use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
-use crate::prepare::grey::{GreyBuffer, GreyView};
+use crate::prepare::grey::GreyBuffer;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson};
 use crate::refinement::plane_fill::fill;
@@ -55,7 +55,6 @@ pub(crate) struct SemiGlobalMatching {
     ingredients: Ingredients,
     level: Level,
     buffers: [GreyBuffer; 2],
-    grey: [Plane<u8>; 2],
     features: FeaturePair,
     /// Pixels of the left view that both cameras should see and that no run has matched so far.
     doubtful: Plane<bool>,
@@ -101,7 +100,6 @@ impl SemiGlobalMatching {
             level,
             memory,
             buffers: Default::default(),
-            grey: Default::default(),
             features: FeaturePair::default(),
             doubtful: Plane::default(),
             optimizer: SemiGlobal::default(),
@@ -116,22 +114,6 @@ impl SemiGlobalMatching {
             medians: Vec::new(),
         }
     }
-}
-
-/// The upper 8 bits of grey.
-fn copy_upper_bits(view: GreyView<'_>, grey: &mut Plane<u8>) -> Work {
-    let (columns, rows) = view.size();
-    grey.reset(columns, rows, 0);
-    for y in 0..rows {
-        let grey = grey.row_mut(y);
-        match view {
-            GreyView::Depth8(view) => grey.copy_from_slice(view.row(y)),
-            GreyView::Depth16(view) => {
-                grey.iter_mut().zip(view.row(y)).for_each(|(to, from)| *to = (from >> 8) as u8);
-            }
-        }
-    }
-    Work::bytes(view.bytes(rows) + columns * rows)
 }
 
 /// The part of the image that is matched to answer a box.
@@ -150,11 +132,11 @@ impl SemiGlobalMatching {
     fn optimize(
         &mut self,
         space: &SearchSpace,
-        search: Search,
+        search: Search<'_>,
         confidence: &mut [f32],
         follow: bool,
     ) -> Work {
-        let Search { ingredients, level, work, bands, width, .. } = search;
+        let Search { ingredients, level, work, bands, .. } = search;
         let doubtful =
             (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
         let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
@@ -165,9 +147,7 @@ impl SemiGlobalMatching {
         // A range of three disparities can leave none to compare a winner with.
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
         let least_margin = if compared { UNIQUE } else { 0 };
-        let grey = &self.grey[0].samples()[work.y0 * width + work.x0..];
-        let guide = raster::View::new(work.columns(), work.rows(), width, grey)
-            .expect("the part lies in the image");
+        let guide = search.grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1);
         let middle = SemiGlobal::middle(work.rows());
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
@@ -207,7 +187,7 @@ impl SemiGlobalMatching {
     fn follow_surfaces(
         &mut self,
         space: &SearchSpace,
-        search: Search,
+        search: Search<'_>,
         confidence: &mut [f32],
         profile: &mut Profile,
     ) {
@@ -231,7 +211,7 @@ impl SemiGlobalMatching {
     }
 
     /// Takes out winners of pixels in doubt that are not clearly better than other disparities.
-    fn reject_unsure(&mut self, search: Search, confidence: &[f32]) -> Work {
+    fn reject_unsure(&mut self, search: Search<'_>, confidence: &[f32]) -> Work {
         let Search { work, width, .. } = search;
         let values = &mut self.left.map.values;
         let columns = values.columns();
@@ -250,7 +230,7 @@ impl SemiGlobalMatching {
     }
 
     /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, search: Search, profile: &mut Profile) {
+    fn sharpen(&mut self, search: Search<'_>, profile: &mut Profile) {
         // Both are checked against the other as it was.
         let View { map, filled: raw, .. } = &mut self.left;
         raw.reset(map.values.columns(), map.values.rows(), 0.0);
@@ -273,11 +253,11 @@ impl SemiGlobalMatching {
     }
 
     /// Looks at both images, in a mirror too where the right view is sharpened.
-    fn look(&mut self, search: Search) -> Work {
-        let Search { ingredients, level, work, .. } = search;
+    fn look(&mut self, search: Search<'_>) -> Work {
+        let Search { ingredients, level, work, grey, .. } = search;
         let [other_of_left, other_of_right] = &mut self.others;
-        let mut done = self.left.looks.compute(level, &self.grey[0], work.y0, work.rows())
-            + other_of_left.compute(level, &self.grey[1], work.y0, work.rows());
+        let mut done = self.left.looks.compute(level, grey[0], work.y0, work.rows())
+            + other_of_left.compute(level, grey[1], work.y0, work.rows());
         if ingredients.has(Ingredient::RightSupportWeights) {
             done = done
                 + other_of_left.mirrored(&mut self.right.looks)
@@ -288,13 +268,13 @@ impl SemiGlobalMatching {
 
     /// Lets pixels of the left view, which is filled, choose planes around them. One without a match
     /// is as confident as the judge is certain, one with a match as both are.
-    fn choose(&mut self, search: Search, confidence: &mut [f32]) -> Work {
-        let Search { ingredients, level, work, width, range, .. } = search;
+    fn choose(&mut self, search: Search<'_>, confidence: &mut [f32]) -> Work {
+        let Search { ingredients, level, grey, work, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
         let columns = work.x0..work.x0 + filled.columns();
         let given = Given {
             doubtful: &self.doubtful,
-            grey: [&self.grey[0], &self.grey[1]],
+            grey,
             right: &self.right.map.values,
             first: work.x0,
             top: work.y0,
@@ -330,7 +310,7 @@ impl SemiGlobalMatching {
 
     /// The median of 5 x 5 pixels of the left view, which is there in fixed point, for a box of the
     /// image.
-    fn smooth(&mut self, search: Search, bounds: BoundingBox, values: &mut Plane<f32>) -> Work {
+    fn smooth(&mut self, search: Search<'_>, bounds: BoundingBox, values: &mut Plane<f32>) -> Work {
         let Search { ingredients, level, work, numbers, .. } = search;
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
         let width = values.columns();
@@ -395,12 +375,13 @@ impl Pipeline for SemiGlobalMatching {
         let (columns, rows) = (work.columns(), work.rows());
         let space = SearchSpace::new(width, work, frame.range);
         let bands = self.needs(frame, work, &space).bands(self.memory);
-        let [left, right] = &mut self.buffers;
-        let views = [left.view(frame.left), right.view(frame.right)];
-        let [left, right] = &mut self.grey;
-        let copied = copy_upper_bits(views[0], left) + copy_upper_bits(views[1], right);
-        let grey = GreyBuffer::work(frame.left) + GreyBuffer::work(frame.right);
-        profile.end("grey", grey + copied);
+        // Borrowed while the stages run.
+        let mut buffers = std::mem::take(&mut self.buffers);
+        let [left, right] = &mut buffers;
+        let seen = [left.with_upper_bits(frame.left), right.with_upper_bits(frame.right)];
+        let (views, grey) = (seen.map(|(view, _)| view), seen.map(|(_, grey)| grey));
+        let [left, right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
+        let made_grey = left + right;
 
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
@@ -409,6 +390,7 @@ impl Pipeline for SemiGlobalMatching {
         let search = Search {
             ingredients,
             level,
+            grey,
             work,
             bands,
             width,
@@ -426,9 +408,9 @@ impl Pipeline for SemiGlobalMatching {
                 true => None,
                 false => Some(Plane::filled(width, height, 0)),
             };
-            let seen = [0, 1].map(|i| (views[i], flat.as_ref().unwrap_or(&self.grey[i])));
+            let seen = [0, 1].map(|i| (views[i], flat.as_ref().map_or(grey[i], Plane::view)));
             let features = self.features.compute(level, seen, &space, (work.y0, rows));
-            profile.end("census and gradient", features);
+            profile.end("grey, census and gradient", made_grey + features);
             if ingredients.has(Ingredient::Descriptors) {
                 self.doubtful.reset(columns, rows, false);
                 let described = self.features.describe(level, views, &space, work.y0);
@@ -501,6 +483,7 @@ impl Pipeline for SemiGlobalMatching {
         // Reasons are read and written; what becomes of the confidence depends on them.
         let reasons = Work::bytes(2 * size_of::<Reason>());
         profile.end("answer", reasons * (bounds.columns() * bounds.rows()));
+        self.buffers = buffers;
         Ok(())
     }
 }

@@ -24,9 +24,11 @@ const GROUP_STEP: f32 = 1.0;
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
-pub(super) struct Search {
+pub(super) struct Search<'a> {
     pub ingredients: Ingredients,
     pub level: Level,
+    /// The upper 8 bits of both images.
+    pub grey: [raster::View<'a, u8>; 2],
     /// The part of the left image that is matched.
     pub work: BoundingBox,
     pub bands: Bands,
@@ -56,7 +58,7 @@ impl View {
     }
 
     /// Takes out what the other view does not confirm, and small groups.
-    pub fn check(&mut self, search: Search, other: &Plane<f32>, other_first: usize) -> Work {
+    pub fn check(&mut self, search: Search<'_>, other: &Plane<f32>, other_first: usize) -> Work {
         let Search { ingredients, level, numbers, width, .. } = search;
         let checked = if ingredients.has(Ingredient::LeftRightCheck) {
             cross_check(level, width, &mut self.map, other, other_first)
@@ -96,7 +98,7 @@ impl View {
     /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
     pub fn refine(
         &mut self,
-        search: Search,
+        search: Search<'_>,
         other: &Looks,
         slopes: &mut Slopes,
         weights: &mut SupportWeights,

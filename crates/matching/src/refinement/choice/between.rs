@@ -140,7 +140,7 @@ mod tests {
     ) -> [Plane<f32>; 2] {
         let given = Given {
             doubtful: &Plane::default(),
-            grey: [grey, grey],
+            grey: [grey.view(); 2],
             right: values,
             first: 0,
             top: 0,

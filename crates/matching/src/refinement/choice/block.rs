@@ -43,8 +43,8 @@ const SAME: f32 = 1.0;
 pub(crate) struct Given<'a> {
     /// Where descriptors were asked; empty where nowhere.
     pub doubtful: &'a Plane<bool>,
-    /// Both images.
-    pub grey: [&'a Plane<u8>; 2],
+    /// The upper 8 bits of both images.
+    pub grey: [View<'a, u8>; 2],
     /// The disparities of the right view, in a mirror.
     pub right: &'a Plane<f32>,
     /// The column and the row of the image at which the map begins.

@@ -103,7 +103,7 @@ mod tests {
     fn steps_are_those_on_the_way() {
         let grey = Plane::from_fn(40, 9, |x, y| ((x * x * 13 + y * 57 + x * y * 5) % 251) as u8);
         let mut looks = Looks::default();
-        looks.compute(Level::detect(), &grey, 0, 9);
+        looks.compute(Level::detect(), grey.view(), 0, 9);
         let mut edges = Edges::default();
         let (first, columns) = (5, 30);
         edges.compute(Level::detect(), &looks, first, columns);

@@ -223,7 +223,7 @@ mod tests {
         fn given(&self) -> Given<'_> {
             Given {
                 doubtful: &self.doubtful,
-                grey: self.grey.each_ref(),
+                grey: self.grey.each_ref().map(Plane::view),
                 right: &self.right,
                 first: FIRST,
                 top: 0,

@@ -98,7 +98,7 @@ mod tests {
         let [left, right] = [noise(255.0), noise(255.0)].map(|grey| grey.map(|&grey| grey as u8));
         let given = Given {
             doubtful: &Plane::default(),
-            grey: [&left, &right],
+            grey: [left.view(), right.view()],
             right: &values,
             first: 3,
             top: TOP,

@@ -190,7 +190,7 @@ mod tests {
             eprintln!("level {}", level.name());
             let looks = images.each_ref().map(|image| {
                 let mut looks = Looks::default();
-                looks.compute(level, image, 0, rows);
+                looks.compute(level, image.view(), 0, rows);
                 looks
             });
             for y in [0, 3, 5] {
