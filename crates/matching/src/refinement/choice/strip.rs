@@ -15,7 +15,7 @@ use crate::profile::Work;
 use crate::refinement::slopes::Slopes;
 
 /// At least so many rows are worked on at once, and less than twice as many.
-const LEAST: usize = 256;
+const LEAST: usize = 192;
 
 /// The looks of both images, the slopes of a map and the edges of the left image, in some of their rows.
 #[derive(Default)]
