@@ -59,6 +59,8 @@ pub struct Record {
     /// Scores over all pixels with truth, then over each region that has any. Empty without truth
     /// or without an answer.
     pub scores: Vec<Scores>,
+    /// Scores over the pixels of each reason, if the engine gives reasons.
+    pub by_reason: Vec<Scores>,
     /// How well the engine's confidence ranks its errors.
     pub confidence: Option<ConfidenceScore>,
     /// How many pixels the engine gave each reason, if it gives reasons.
@@ -120,6 +122,7 @@ impl Record {
             status,
             protocol: data.protocol.clone(),
             scores: scored.scores,
+            by_reason: scored.by_reason,
             confidence: scored.confidence,
             reasons,
             usage: median(&runs),

@@ -3,7 +3,7 @@
 use score::{Evaluation, RankedError, Region, ScoreError, Scores, sparsification};
 use serde::Serialize;
 
-use raster::BoundingBox;
+use raster::{BoundingBox, Reason};
 
 use crate::dataset::CaseData;
 use crate::engine::Answer;
@@ -31,6 +31,9 @@ pub struct ConfidenceScore {
 pub struct RegionScores {
     /// Over all pixels with truth, then over each region that has any.
     pub scores: Vec<Scores>,
+    /// Over the pixels of each reason that any pixel with truth was given; their regions are the
+    /// names of the reasons.
+    pub by_reason: Vec<Scores>,
     /// How well the confidence ranks errors, if there is a confidence and an estimate to rank.
     pub confidence: Option<ConfidenceScore>,
 }
@@ -48,6 +51,17 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
     let evaluation = Evaluation::new(&answer.disparity, truth)?.clipped_to(highest);
     let all = Region::whole().within(bounds);
     let mut scores = vec![evaluation.scores(&all)?];
+    let mut by_reason = Vec::new();
+    if let Some(reasons) = &answer.reasons {
+        for reason in Reason::ALL {
+            let mask = reasons.map(|&other| other == reason);
+            match evaluation.scores(&Region::masked(reason.name(), &mask).within(bounds)) {
+                Ok(found) => by_reason.push(found),
+                Err(ScoreError::NoTruth { .. }) => {}
+                Err(other) => return Err(other),
+            }
+        }
+    }
     for region in &data.regions {
         let selected = Region::masked(region.name, &region.mask).within(bounds);
         let scored = match &region.truth {
@@ -80,7 +94,7 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
             }
         }
     };
-    Ok(RegionScores { scores, confidence })
+    Ok(RegionScores { scores, by_reason, confidence })
 }
 
 #[cfg(test)]
@@ -105,7 +119,9 @@ mod tests {
         });
         let answer = Answer {
             disparity: Plane::new(4, 1, vec![99.0, 5.0, 5.5, 9.0]).unwrap(),
-            reasons: None,
+            reasons: Some(
+                Plane::new(4, 1, [1, 1, 2, 1].map(|reason| Reason::ALL[reason]).to_vec()).unwrap(),
+            ),
             confidence: Some(Plane::new(4, 1, vec![1.0, 0.9, 0.8, 0.1]).unwrap()),
         };
         let scored = score(&answer, &data).unwrap();
@@ -113,6 +129,8 @@ mod tests {
         assert_eq!(regions, [("all", 3), ("non-occluded", 3), ("own truth", 1)]);
         assert_eq!(scored.scores[0].course.as_ref().unwrap().p_bad, 1.0 / 3.0);
         assert_eq!(scored.scores[2].middlebury.avgerr, Some(0.5));
+        let reasons: Vec<_> = scored.by_reason.iter().map(|s| (&s.region[..], s.pixels)).collect();
+        assert_eq!(reasons, [("matched", 2), ("occluded-filled", 1)]);
         assert_eq!(scored.confidence.unwrap().ause, 0.0, "the bad pixel is the least sure");
         assert_eq!(
             scored.scores[1].middlebury.clipped, 0,

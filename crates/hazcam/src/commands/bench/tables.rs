@@ -61,8 +61,16 @@ impl Tables<'_> {
         match view {
             View::Scores => {
                 let summaries = report::summaries(records, reference);
+                let reasons = report::reasons_table(records);
+                let by_reason = match reasons.rows.is_empty() {
+                    true => String::new(),
+                    false => {
+                        let legend = notes(vec![report::REASONS_LEGEND.into()]);
+                        format!("\n{}\n{legend}", show(&reasons))
+                    }
+                };
                 format!(
-                    "{}\n{}\n{}\n{}",
+                    "{}\n{}\n{}\n{}{by_reason}",
                     show(&report::scores_table(records)),
                     notes(self.notes(report::LEGEND.map(str::to_owned).to_vec())),
                     show(&report::summary_table(&summaries, reference)),
