@@ -46,11 +46,11 @@ class Judge(nn.Module):
         return torch.einsum("g,bgk->bk", self.last, second.relu())
 
 
-def load(path, candidates):
-    samples = np.fromfile(path, "<f4")
+def load(paths, candidates):
+    samples = np.concatenate([np.fromfile(path, "<f4") for path in paths])
     numbers = 2 + candidates * (2 + OF_EACH) + OF_PIXEL
     if len(samples) == 0 or len(samples) % numbers:
-        raise SystemExit(f"{path}: {len(samples)} numbers, but a pixel has {numbers}; write it with "
+        raise SystemExit(f"{', '.join(map(str, paths))}: {len(samples)} numbers, but a pixel has {numbers}; write it with "
                          "`cargo run --release -p hazcam-training`, of the same preset")
     samples = samples.reshape(-1, numbers)
     ends = np.cumsum([1, 1, candidates, candidates, OF_EACH * candidates])
@@ -63,13 +63,13 @@ def load(path, candidates):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("samples", type=Path)
+    parser.add_argument("samples", type=Path, nargs="+")
     parser.add_argument("--preset", choices=SIZES, required=True, help="whose judge it is")
     parser.add_argument("--steps", type=int, default=15000)
     parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
     parser.add_argument("--weights", type=Path, required=True, help="the file to append to")
     arguments = parser.parse_args()
-    for file in (arguments.samples, arguments.weights):
+    for file in (*arguments.samples, arguments.weights):
         if not file.is_file():
             parser.error(f"{file}: no such file")
     torch.manual_seed(1)

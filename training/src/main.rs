@@ -11,7 +11,6 @@
 mod lessons;
 mod strain;
 
-use std::collections::HashSet;
 use std::error::Error;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -29,7 +28,7 @@ use strain::Strain;
 #[derive(Parser)]
 struct Arguments {
     /// Whose judge is to learn.
-    #[arg(long, value_parser = PossibleValuesParser::new(["balanced", "best"]).try_map(|name| name.parse::<Preset>()))]
+    #[arg(long, value_parser = PossibleValuesParser::new(JUDGED).try_map(|name| name.parse::<Preset>()))]
     preset: Preset,
     /// The folder with `scenes.json`.
     #[arg(long, env = "HAZCAM_DATA")]
@@ -37,8 +36,8 @@ struct Arguments {
     /// Tuning scenes to leave out: parts of their names.
     #[arg(long, num_args = 0..)]
     without: Vec<String>,
-    /// Of the tuning scenes one half alone, 1 or 2; scenes that differ in size or light are in one.
-    /// Rendered scenes belong to the first.
+    /// Of the tuning scenes one half alone, 1 or 2; those that differ by a suffix after - or _ are in
+    /// one half. Rendered scenes belong to the first.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     half: Option<u8>,
     /// About how many pixels of a pair; a quarter of them of a strained or rendered one.
@@ -55,6 +54,8 @@ struct Arguments {
     out: PathBuf,
 }
 
+/// Presets that have judges.
+const JUDGED: [&str; 2] = ["balanced", "best"];
 /// Rendered scenes with smaller seeds are for measurements.
 const FIRST_SEED: u64 = 1000;
 /// Keeps this program's chances apart from those of the scenes.
@@ -92,17 +93,19 @@ fn check(without: &[String], cases: &[&Case]) -> Result<(), Failure> {
 
 /// Which half each scene belongs to: every second one that is of something else than those before it.
 fn halves(ids: &[&str]) -> Vec<u8> {
-    // Of `middlebury2005/Art-half` all before the hyphen.
-    let what = |id: &&str| {
+    let mut known = Vec::new();
+    let half = |id: &&str| {
+        // Of `middlebury2005/Art-half` or `lunar/nadir_1` all before the suffix.
         let name = id.rfind('/').map_or(0, |slash| slash + 1);
-        let end = id[name..].find(['-', '_']).map_or(id.len(), |end| name + end);
-        id[..end].to_owned()
+        let end = name + id[name..].find(['-', '_']).unwrap_or(id.len() - name);
+        let what = id[..end].to_owned();
+        let place = known.iter().position(|other| *other == what).unwrap_or_else(|| {
+            known.push(what);
+            known.len() - 1
+        });
+        1 + (place % 2) as u8
     };
-    let mut seen: Vec<String> = ids.iter().map(what).collect();
-    let mut known = HashSet::new();
-    seen.retain(|what| known.insert(what.clone()));
-    let place = |id: &&str| seen.iter().position(|seen| *seen == what(id));
-    ids.iter().map(|id| 1 + place(id).map_or(0, |place| (place % 2) as u8)).collect()
+    ids.iter().map(half).collect()
 }
 
 /// Writes the samples, lesson after lesson; how many pixels they are.
@@ -140,6 +143,9 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
             let data = rendered(kind, seed, &mut random)?;
             add(&format!("{kind} {seed}"), &data, arguments.pixels / 4, random)?;
         }
+    }
+    if all == 0 {
+        return Err("no pixel is left to learn from: leave out fewer scenes".into());
     }
     Ok(all)
 }

@@ -115,6 +115,27 @@ fn two_engines_are_scored_and_compared() {
 }
 
 #[test]
+fn errors_by_reason_are_shares_of_all_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("tells");
+    let copy = format!("cp {0}/d$i.npy disparity.npy; cp {0}/r$i.npy reasons.npy", own.display());
+    let tells = engine(folder.path(), "tells", &copy);
+    // One pixel of four is off by 3 px. Reasons: 1 is matched, 2 occluded and filled.
+    for (job, reasons) in [[1u8, 1, 1, 1], [2, 1, 1, 1]].into_iter().enumerate() {
+        let off = Plane::from_fn(4, 1, |x, _| if x == 0 { 13f32 } else { 10.0 });
+        npy::write(own.join(format!("d{}.npy", job + 1)), &off).unwrap();
+        let reasons = Plane::new(4, 1, reasons.to_vec()).unwrap();
+        npy::write(own.join(format!("r{}.npy", job + 1)), &reasons).unwrap();
+    }
+    let silent = wrong_at(folder.path(), "silent", [1, 1]);
+    let records = outcome(&plan(vec![silent, tells], 1)).records;
+    let text = report::reasons_table(&records).to_csv();
+    let lines: Vec<&str> = text.lines().skip(1).collect();
+    let expected = ["tells,matched,87.5,12.5,0", "tells,occluded-filled,12.5,12.5,0"];
+    assert_eq!(lines, expected);
+}
+
+#[test]
 fn a_crash_is_a_row_and_the_rest_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let crashing = engine(folder.path(), "crashing", "echo 'oh no' >&2; exit 7;");

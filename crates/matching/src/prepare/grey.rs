@@ -34,7 +34,7 @@ impl GreyView<'_> {
     }
 }
 
-/// Where the grey of a colour image is kept.
+/// Where the grey of a colour image is kept, and the upper bits of grey with 16.
 #[derive(Debug, Default)]
 pub(crate) struct GreyBuffer {
     depth8: Plane<u8>,

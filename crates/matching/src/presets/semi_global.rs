@@ -378,10 +378,10 @@ impl Pipeline for SemiGlobalMatching {
         // Borrowed while the stages run.
         let mut buffers = std::mem::take(&mut self.buffers);
         let [left, right] = &mut buffers;
-        let seen = [left.with_upper_bits(frame.left), right.with_upper_bits(frame.right)];
-        let (views, grey) = (seen.map(|(view, _)| view), seen.map(|(_, grey)| grey));
-        let [left, right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
-        let made_grey = left + right;
+        let both = [left.with_upper_bits(frame.left), right.with_upper_bits(frame.right)];
+        let (views, grey) = (both.map(|(view, _)| view), both.map(|(_, grey)| grey));
+        let [of_left, of_right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
+        let made_grey = of_left + of_right;
 
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);

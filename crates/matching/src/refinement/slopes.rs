@@ -135,7 +135,9 @@ mod tests {
 
     #[test]
     fn slopes_are_those_of_the_definition_at_every_level() {
-        for (columns, rows) in [(1, 1), (4, 12), (6, 4), (72, 9), (150, 14)] {
+        for (columns, rows) in
+            [(1, 1), (4, 12), (5, 5), (6, 4), (65, 3), (131, 5), (132, 6), (150, 14)]
+        {
             let mut chance = Chance(columns as u32);
             let values = Plane::from_fn(columns, rows, |x, y| {
                 let step = if x > columns / 2 { 9.0 } else { 0.0 };

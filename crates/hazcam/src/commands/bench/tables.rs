@@ -11,7 +11,8 @@ use crate::wrap::wrapped;
 /// Which tables are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum View {
-    /// Every score on every scene, then what it comes to over many scenes.
+    /// Every score on every scene, then what it comes to over many scenes, also by the reasons that
+    /// matchers give.
     #[default]
     Scores,
     /// Every score on every scene, then where in the scenes the errors are.

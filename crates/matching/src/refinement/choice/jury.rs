@@ -47,3 +47,14 @@ impl Jury {
         &self.judges[..judges]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_round_has_its_judge() {
+        let rounds = [Preset::Balanced, Preset::Best].map(|p| Jury::of(p).judges(true).len());
+        assert_eq!(rounds, [1, 2], "the files of weights are not whole");
+    }
+}

@@ -88,9 +88,11 @@ fn choose(
         });
         chosen.sum::<usize>()
     });
-    // Values, slopes, confidence and the right view are read, the choice and its certainty written;
-    // edges are read in four ways; reasons, doubts and the looks of both views are bytes.
-    Work::bytes((4 * (5 + 2) + 2 * 4 + 2 + 2 * 3) * samples.len())
+    // Values are copied. In rows that are asked, values, slopes, confidence and the right view are
+    // read, the choice and its certainty written; edges are read in four ways; reasons, doubts and the
+    // looks of both views are bytes.
+    let asked = samples.len() / reach.every;
+    Work::bytes(2 * 4 * samples.len() + (4 * (5 + 2) + 2 * 4 + 2 + 2 * 3) * asked)
         + Work::operations(judge.operations()) * chosen.sum::<usize>()
 }
 
@@ -334,6 +336,32 @@ mod tests {
             for level in Level::available() {
                 eprintln!("{columns} columns, level {}", level.name());
                 assert!(choices(level, 2) == expected);
+            }
+        }
+    }
+
+    #[test]
+    fn every_second_pixel_is_asked_as_if_all_were() {
+        let mut chance = Chance(4);
+        let layers = Layers { first: 8, second: 4 };
+        let numbers: Vec<f32> =
+            (0..Judge::numbers(&NARROW, layers)).map(|_| chance.share() - 0.5).collect();
+        let judge = Judge::new(&NARROW, layers, numbers);
+        let all = Reach { every: 1, ..NARROW };
+        for columns in [1, 2, 31, 32, 33, 63, 64, 65] {
+            let values =
+                Plane::from_fn(columns, ROWS, |x, _| truth(x + FIRST) + 3.0 * chance.share());
+            let world = World::new(values);
+            let level = Level::detect();
+            let [some, every] =
+                [&NARROW, &all].map(|reach| world.judged(level, (reach, &judge), 1));
+            for (some, every) in some.iter().zip(&every) {
+                for y in (0..ROWS).step_by(2) {
+                    let pixels = |plane: &Plane<f32>| -> Vec<f32> {
+                        plane.row(y).iter().step_by(2).copied().collect()
+                    };
+                    assert_eq!(pixels(some), pixels(every), "{columns} columns, row {y}");
+                }
             }
         }
     }

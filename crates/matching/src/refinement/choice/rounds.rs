@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::between::follow;
 use super::block::{Given, Scene};
+use super::judge::Judge;
 use super::jury::Jury;
 use super::lesson::Lesson;
 use super::strip::Strip;
@@ -17,6 +18,12 @@ use crate::selection::cross_check::ViewMap;
 
 /// A match whose disparity changed by more, in pixels, is not confirmed any more.
 const CONFIRMED: f32 = 1.0;
+
+/// Who looks at the map in a round: a judge, or in the end who is to become one.
+enum Turn<'a> {
+    Judge(&'a Judge),
+    Lesson(&'a mut Lesson),
+}
 
 /// The rounds of a jury with their memory, kept between frames.
 pub(crate) struct Choices {
@@ -88,8 +95,9 @@ impl Choices {
         let ViewMap { values: other, reasons, .. } = map;
         let (columns, rows) = values.size();
         let mut done = Work::bytes(0);
-        let lessons = lesson.as_mut().map(Err);
-        for (round, judge) in jury.judges(with_last).iter().map(Ok).chain(lessons).enumerate() {
+        let turns = jury.judges(with_last).iter().map(Turn::Judge);
+        let turns = turns.chain(lesson.as_mut().map(Turn::Lesson));
+        for (round, turn) in turns.enumerate() {
             match round {
                 // What the last frame left is not read any more: a single round needs one plane.
                 0 => {
@@ -102,9 +110,9 @@ impl Choices {
                 }
             }
             let confidence = if round == 0 { confidence } else { certainty.view() };
-            let judge = match judge {
-                Ok(judge) => judge,
-                Err(lesson) => {
+            let judge = match turn {
+                Turn::Judge(judge) => judge,
+                Turn::Lesson(lesson) => {
                     let pixels = lesson.pick(values);
                     for rows in Strip::all(rows) {
                         strip.compute(level, given, reach, values, &rows);
