@@ -55,11 +55,8 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
     if let Some(reasons) = &answer.reasons {
         for reason in Reason::ALL {
             let mask = reasons.map(|&other| other == reason);
-            match evaluation.scores(&Region::masked(reason.name(), &mask).within(bounds)) {
-                Ok(found) => by_reason.push(found),
-                Err(ScoreError::NoTruth { .. }) => {}
-                Err(other) => return Err(other),
-            }
+            let selected = Region::masked(reason.name(), &mask).within(bounds);
+            by_reason.extend(if_any(evaluation.scores(&selected))?);
         }
     }
     for region in &data.regions {
@@ -70,12 +67,7 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
                 Evaluation::new(&answer.disparity, own)?.clipped_to(highest).scores(&selected)
             }
         };
-        match scored {
-            Ok(found) => scores.push(found),
-            // A region may well be empty: nothing is occluded on a plane.
-            Err(ScoreError::NoTruth { .. }) => {}
-            Err(other) => return Err(other),
-        }
+        scores.extend(if_any(scored)?);
     }
     let confidence = match &answer.confidence {
         None => None,
@@ -95,6 +87,15 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
         }
     };
     Ok(RegionScores { scores, by_reason, confidence })
+}
+
+/// The scores of a region, which may well be empty: nothing is occluded on a plane.
+fn if_any(scored: Result<Scores, ScoreError>) -> Result<Option<Scores>, ScoreError> {
+    match scored {
+        Ok(found) => Ok(Some(found)),
+        Err(ScoreError::NoTruth { .. }) => Ok(None),
+        Err(other) => Err(other),
+    }
 }
 
 #[cfg(test)]
