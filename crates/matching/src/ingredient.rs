@@ -9,6 +9,8 @@ use crate::{MatchError, Preset};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Ingredient {
+    /// Vertical disparity found and taken out of the right image.
+    VerticalAlignment,
     /// Differences of grey steps in the cost.
     Gradient,
     /// A large penalty that falls with the grey step.
@@ -48,7 +50,8 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// Both presets have these, in the order of the stages.
-const BALANCED: [Ingredient; 11] = [
+const BALANCED: [Ingredient; 12] = [
+    VerticalAlignment,
     Gradient,
     AdaptiveP2,
     SubPixel,
@@ -62,7 +65,8 @@ const BALANCED: [Ingredient; 11] = [
     PathMargin,
 ];
 
-const BEST: [Ingredient; 17] = [
+const BEST: [Ingredient; 18] = [
+    VerticalAlignment,
     Gradient,
     AdaptiveP2,
     Descriptors,
@@ -109,6 +113,11 @@ impl Ingredient {
 
     fn told(self) -> (&'static str, &'static str, &'static str) {
         match self {
+            VerticalAlignment => (
+                "vertical-alignment",
+                "vertical disparity that rectification left is found and taken out of the right image",
+                "rows as they are",
+            ),
             Gradient => {
                 ("gradient", "differences of grey steps beside the census", "the census alone")
             }
@@ -261,7 +270,10 @@ mod tests {
         let shared: Vec<_> = BEST.into_iter().filter(|own| BALANCED.contains(own)).collect();
         assert_eq!(shared, BALANCED);
         let error = "salt".parse::<Ingredient>().unwrap_err().to_string();
-        assert!(error.contains("`salt`, but it must be one of gradient, "), "{error}");
+        assert!(
+            error.contains("`salt`, but it must be one of vertical-alignment, gradient, "),
+            "{error}"
+        );
     }
 
     #[test]

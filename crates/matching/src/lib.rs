@@ -56,4 +56,5 @@ pub use kernels::level::Level;
 pub use limits::Limits;
 pub use matcher::Matcher;
 pub use options::{Holes, Options, Preset};
+pub use prepare::alignment::VerticalDisparity;
 pub use profile::Stage;

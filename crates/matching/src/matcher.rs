@@ -7,7 +7,7 @@ use crate::limits::Limits;
 use crate::presets;
 use crate::profile::{Profile, Stage};
 use crate::refinement::groups::LARGEST;
-use crate::{Holes, MatchError, Options};
+use crate::{Holes, MatchError, Options, VerticalDisparity};
 
 /// One pair of images with everything that is asked of it, checked: equal sizes, at least one
 /// pixel, a box inside the image.
@@ -30,6 +30,11 @@ impl Frame<'_> {
 pub(crate) trait Pipeline: Send {
     /// The bytes that a frame takes at the least, of the stages and of `map`.
     fn least_memory(&self, frame: &Frame<'_>) -> usize;
+
+    /// The vertical disparity that was taken out of the right image of the last frame.
+    fn vertical_disparity(&self) -> Option<VerticalDisparity> {
+        None
+    }
 
     /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
     /// Holes are filled, with reasons that say so. `profile` is told when a stage has ended, and what
@@ -104,6 +109,13 @@ impl Matcher {
     /// the first frame.
     pub fn profile(&self) -> &[Stage] {
         self.profile.stages()
+    }
+
+    /// The vertical disparity of the last pair, where it was found to be worth mending: things stood lower
+    /// in the right image by so many pixels, which depend on the place, and `balanced` and `best` matched
+    /// the image with that taken out. A pair that is rectified well has none; `fast` does not look for it.
+    pub fn vertical_disparity(&self) -> Option<VerticalDisparity> {
+        self.pipeline.vertical_disparity()
     }
 
     /// Measures what this machine can do at the most, with the threads and instructions of this

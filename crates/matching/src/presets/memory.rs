@@ -12,6 +12,7 @@ use crate::matcher::Frame;
 use crate::optimization::bands::{Bands, Volume};
 use crate::optimization::semi_global::SemiGlobal;
 use crate::optimization::support_weights::SupportWeights;
+use crate::prepare::alignment::Alignment;
 use crate::prepare::descriptor::Descriptors;
 use crate::refinement::choice::{Choices, Jury};
 use crate::refinement::groups::Groups;
@@ -74,6 +75,11 @@ impl Needs {
         let (all, wide, part) = (width * height, width * lines, columns * lines);
         let of_image = |image| (grey(image) + upper_bits(image)) * all;
         let images = of_image(frame.left) + of_image(frame.right);
+        let deep = matches!(frame.right, Image::Grey16(_) | Image::Rgb16(_));
+        let images = match ingredients.has(Ingredient::VerticalAlignment) {
+            false => images,
+            true => images + Alignment::bytes(width, height, frame.range, deep),
+        };
         // Census words and steps of both, the right ones between margins; descriptors, and where they
         // are asked for.
         let places = part + wide + 2 * space.lanes * lines;

@@ -21,6 +21,7 @@ use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
+use crate::prepare::alignment::{Alignment, VerticalDisparity};
 use crate::prepare::grey::GreyBuffer;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson};
@@ -55,6 +56,9 @@ pub(crate) struct SemiGlobalMatching {
     ingredients: Ingredients,
     level: Level,
     buffers: [GreyBuffer; 2],
+    alignment: Alignment,
+    /// What was taken out of the right image of the last frame.
+    vertical: Option<VerticalDisparity>,
     features: FeaturePair,
     /// Pixels of the left view that both cameras should see and that no run has matched so far.
     doubtful: Plane<bool>,
@@ -100,6 +104,8 @@ impl SemiGlobalMatching {
             level,
             memory,
             buffers: Default::default(),
+            alignment: Alignment::default(),
+            vertical: None,
             features: FeaturePair::default(),
             doubtful: Plane::default(),
             optimizer: SemiGlobal::default(),
@@ -357,6 +363,10 @@ impl SemiGlobalMatching {
 }
 
 impl Pipeline for SemiGlobalMatching {
+    fn vertical_disparity(&self) -> Option<VerticalDisparity> {
+        self.vertical
+    }
+
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
         let work = surroundings(frame.bounds, frame.size());
         let space = SearchSpace::new(frame.size().0, work, frame.range);
@@ -379,14 +389,22 @@ impl Pipeline for SemiGlobalMatching {
         let mut buffers = std::mem::take(&mut self.buffers);
         let [left, right] = &mut buffers;
         let both = [left.with_upper_bits(frame.left), right.with_upper_bits(frame.right)];
-        let (views, grey) = (both.map(|(view, _)| view), both.map(|(_, grey)| grey));
+        let (mut views, mut grey) = (both.map(|(view, _)| view), both.map(|(_, grey)| grey));
         let [of_left, of_right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
-        let made_grey = of_left + of_right;
+        let mut made_grey = of_left + of_right;
 
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
         let (ingredients, level) = (self.ingredients, self.level);
+        let mut alignment = std::mem::take(&mut self.alignment);
+        self.vertical = None;
+        if space.count > 0 && ingredients.has(Ingredient::VerticalAlignment) {
+            let aligned = alignment.align(level, grey[0], views[1], grey[1], range);
+            (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
+            made_grey = made_grey + aligned.done;
+        }
+        profile.end("grey, vertical alignment", made_grey);
         let search = Search {
             ingredients,
             level,
@@ -410,7 +428,7 @@ impl Pipeline for SemiGlobalMatching {
             };
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().map_or(grey[i], Plane::view)));
             let features = self.features.compute(level, seen, &space, (work.y0, rows));
-            profile.end("grey, census and gradient", made_grey + features);
+            profile.end("census and gradient", features);
             if ingredients.has(Ingredient::Descriptors) {
                 self.doubtful.reset(columns, rows, false);
                 let described = self.features.describe(level, views, &space, work.y0);
@@ -483,7 +501,7 @@ impl Pipeline for SemiGlobalMatching {
         // Reasons are read and written; what becomes of the confidence depends on them.
         let reasons = Work::bytes(2 * size_of::<Reason>());
         profile.end("answer", reasons * (bounds.columns() * bounds.rows()));
-        self.buffers = buffers;
+        (self.buffers, self.alignment) = (buffers, alignment);
         Ok(())
     }
 }

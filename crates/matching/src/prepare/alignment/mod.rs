@@ -1,0 +1,250 @@
+//! Vertical disparity that rectification left, found and taken out of the right image.
+//!
+//! Rectified, a point stands in one row of both images, and all matching relies on it. Real pairs come
+//! close: a camera that is turned by a hundredth of a radian, or a calibration some weeks old, moves
+//! things by half a pixel in one corner and by none in the other, and one pixel is enough to spoil
+//! small windows. It is seen without knowing any depth, since it changes smoothly over the image:
+//!
+//! 1. Corners (Shi & Tomasi 1994) spread over the left image are matched in the right one, some rows
+//!    up and down too, to a fraction of a pixel ([`correspondence`]).
+//! 2. A smooth model is fitted to how far they stand above or below their row ([`model`]).
+//! 3. Where that comes to something, every pixel of the right image is taken from there ([`resample`]).
+//!
+//! What is found depends on both whole images and the range, not on the box.
+
+mod correspondence;
+mod model;
+mod resample;
+
+use raster::{DisparityRange, Plane, View};
+use rayon::prelude::*;
+
+use self::correspondence::{Correspondence, MARGIN, Scores, correspond};
+pub use self::model::VerticalDisparity;
+use self::resample::{resample_8_bit, resample_16_bit};
+use crate::kernels::level::Level;
+use crate::prepare::grey::GreyView;
+use crate::profile::Work;
+
+/// About so many corners are looked for.
+const CORNERS: usize = 500;
+/// Smaller vertical disparities (root of the mean square over the image, in pixels) are left alone:
+/// taking them out blurs more than it mends.
+const LEAST: f64 = 0.1;
+
+/// The memory of the alignment, kept between frames.
+#[derive(Debug, Default)]
+pub(crate) struct Alignment {
+    /// What was found in each cell of the left image.
+    found: Vec<Option<Correspondence>>,
+    residuals: Vec<f64>,
+    /// One for each thread.
+    scores: Vec<Scores>,
+    depth8: Plane<u8>,
+    depth16: Plane<u16>,
+    upper: Plane<u8>,
+}
+
+/// The right image as it should be, its upper 8 bits, and what was taken out of it.
+pub(crate) struct Aligned<'a> {
+    pub grey: GreyView<'a>,
+    pub upper: View<'a, u8>,
+    pub vertical: Option<VerticalDisparity>,
+    pub done: Work,
+}
+
+impl Alignment {
+    /// What it takes beside the images' own memory: an image of so many pixels in its depth, with its
+    /// upper bits where it has 16.
+    pub fn bytes(columns: usize, rows: usize, range: DisparityRange, deep: bool) -> usize {
+        let (across, down) = cells(columns, rows);
+        let corners = across * down * (size_of::<Option<Correspondence>>() + size_of::<f64>());
+        let image = if deep { 3 } else { 1 } * columns * rows;
+        image + corners + rayon::current_num_threads() * Scores::bytes(range)
+    }
+
+    /// Aligns the right image with the left one. `left` and `upper` are the upper 8 bits, `grey` the
+    /// right image in its depth.
+    pub fn align<'a>(
+        &'a mut self,
+        level: Level,
+        left: View<'_, u8>,
+        grey: GreyView<'a>,
+        upper: View<'a, u8>,
+        range: DisparityRange,
+    ) -> Aligned<'a> {
+        let (columns, rows) = (left.columns(), left.rows());
+        self.correspond(level, left, upper, range);
+        let Self { found, residuals, depth8, depth16, upper: upper_bits, .. } = self;
+        let found_there = found.iter().flatten();
+        let vertical = VerticalDisparity::fit(found_there, (columns, rows), residuals)
+            .filter(|vertical| vertical.root_mean_square() >= LEAST);
+        // Both images are looked at here and there.
+        let looked = Work::bytes(2 * columns * rows);
+        let Some(vertical) = vertical else {
+            return Aligned { grey, upper, vertical: None, done: looked };
+        };
+        let done = looked
+            + (Work::bytes(2 * grey.bytes(1)) + Work::operations(resample::OPERATIONS * columns))
+                * rows;
+        let (grey, upper) = match grey {
+            GreyView::Depth8(view) => {
+                depth8.reset(columns, rows, 0);
+                let out = depth8.samples_mut().par_chunks_mut(columns).enumerate();
+                out.for_each(|(y, out)| resample_8_bit(level, view, &vertical, y, out));
+                (GreyView::Depth8(depth8.view()), depth8.view())
+            }
+            GreyView::Depth16(view) => {
+                depth16.reset(columns, rows, 0);
+                upper_bits.reset(columns, rows, 0);
+                let out = depth16.samples_mut().par_chunks_mut(columns);
+                let out = out.zip(upper_bits.samples_mut().par_chunks_mut(columns)).enumerate();
+                out.for_each(|(y, (out, upper))| {
+                    resample_16_bit(level, view, &vertical, y, out);
+                    upper.iter_mut().zip(out).for_each(|(to, from)| *to = (*from >> 8) as u8);
+                });
+                (GreyView::Depth16(depth16.view()), upper_bits.view())
+            }
+        };
+        Aligned { grey, upper, vertical: Some(vertical), done }
+    }
+
+    /// Matches a corner of every cell of the left image that has one.
+    fn correspond(
+        &mut self,
+        level: Level,
+        left: View<'_, u8>,
+        right: View<'_, u8>,
+        range: DisparityRange,
+    ) {
+        let (columns, rows) = (left.columns(), left.rows());
+        let (across, down) = cells(columns, rows);
+        self.found.clear();
+        self.found.resize(across * down, None);
+        if self.found.is_empty() {
+            return;
+        }
+        let inside = (columns - 2 * MARGIN, rows - 2 * MARGIN);
+        let threads = rayon::current_num_threads();
+        self.scores.resize_with(threads, Scores::default);
+        let part = self.found.len().div_ceil(threads);
+        let parts = self.found.par_chunks_mut(part).zip(&mut self.scores).enumerate();
+        parts.for_each(|(i, (found, scores))| {
+            for (cell, found) in (i * part..).zip(found) {
+                let ends = |at: usize, of: usize, size: usize| {
+                    MARGIN + at * size / of..MARGIN + (at + 1) * size / of
+                };
+                let (x, y) =
+                    (ends(cell % across, across, inside.0), ends(cell / across, down, inside.1));
+                *found = correspond(level, [left, right], (x, y), range, scores);
+            }
+        });
+    }
+}
+
+/// Columns and rows of cells, each of which has one corner at the most.
+fn cells(columns: usize, rows: usize) -> (usize, usize) {
+    let [columns, rows] = [columns, rows].map(|size| size.saturating_sub(2 * MARGIN));
+    let side = ((columns * rows) as f64 / CORNERS as f64).sqrt().max(MARGIN as f64);
+    let [across, down] = [columns, rows].map(|size| (size as f64 / side).ceil() as usize);
+    (across, down)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+
+    /// A texture that can be looked at between pixels.
+    fn texture() -> impl Fn(f64, f64) -> f64 {
+        let mut chance = Chance(7);
+        let waves: Vec<[f64; 4]> = (0..40)
+            .map(|_| [0.8, 0.8, 6.3, 12.0].map(|most| f64::from(chance.share()) * most))
+            .collect();
+        move |x, y| {
+            let wave = |[along, down, phase, size]: &[f64; 4]| {
+                size * ((along - 0.4) * x + (down - 0.4) * y + phase).sin()
+            };
+            128.0 + waves.iter().map(wave).sum::<f64>() / 2.0
+        }
+    }
+
+    /// The right image stands lower by `dy` and to the left by 9.
+    fn pair(dy: impl Fn(f64, f64) -> f64) -> [Plane<u8>; 2] {
+        let texture = texture();
+        let seen = |shift: f64, dy: &dyn Fn(f64, f64) -> f64| {
+            Plane::from_fn(200, 160, |x, y| {
+                let (x, y) = (x as f64, y as f64);
+                texture(x + shift, y - dy(x, y)).round().clamp(0.0, 255.0) as u8
+            })
+        };
+        [seen(0.0, &|_, _| 0.0), seen(9.0, &dy)]
+    }
+
+    fn aligned(level: Level, pair: &[Plane<u8>; 2]) -> (Plane<u8>, Option<VerticalDisparity>) {
+        let mut alignment = Alignment::default();
+        let [left, right] = pair.each_ref().map(Plane::view);
+        let range = DisparityRange::new(0, 30).unwrap();
+        let aligned = alignment.align(level, left, GreyView::Depth8(right), right, range);
+        (aligned.upper.to_plane(), aligned.vertical)
+    }
+
+    fn mean_difference(a: &Plane<u8>, b: &Plane<u8>) -> f64 {
+        let differences =
+            a.samples().iter().zip(b.samples()).map(|(a, b)| f64::from(a.abs_diff(*b)));
+        differences.sum::<f64>() / a.samples().len() as f64
+    }
+
+    #[test]
+    fn a_turned_camera_is_turned_back_at_every_level_alike() {
+        let pairs =
+            [pair(|_, _| 1.4), pair(|x, y| 0.3 + x / 200.0 + (x - 100.0) * (y - 80.0) / 9e3)];
+        for turned in pairs {
+            let straight = pair(|_, _| 0.0)[1].clone();
+            let expected = aligned(Level::available()[0], &turned);
+            let before = mean_difference(&turned[1], &straight);
+            let after = mean_difference(&expected.0, &straight);
+            assert!(before > 2.0 && after < 0.1 * before, "{before} {after} {:?}", expected.1);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                assert!(aligned(level, &turned) == expected);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_rectified_or_cannot_be_told_is_left_alone() {
+        let straight = pair(|_, _| 0.03);
+        assert_eq!(aligned(Level::detect(), &straight), (straight[1].clone(), None));
+        let noise = [1, 2].map(|seed| {
+            let mut chance = Chance(seed);
+            Plane::from_fn(200, 160, |_, _| chance.bits(8) as u8)
+        });
+        assert_eq!(aligned(Level::detect(), &noise), (noise[1].clone(), None));
+        for (columns, rows) in [(1, 1), (24, 90), (25, 25), (300, 3)] {
+            let flat = [0, 1].map(|_| Plane::filled(columns, rows, 90));
+            assert_eq!(aligned(Level::detect(), &flat), (flat[1].clone(), None));
+        }
+    }
+
+    #[test]
+    fn sixteen_bits_are_aligned_with_all_of_them() {
+        let turned = pair(|_, _| 1.4);
+        let [left, right] =
+            turned.each_ref().map(|plane| plane.map(|&grey| u16::from(grey) << 8 | 0x5b));
+        let mut alignment = Alignment::default();
+        let range = DisparityRange::new(0, 30).unwrap();
+        let [left_upper, right_upper] =
+            [&left, &right].map(|plane| plane.map(|&grey| (grey >> 8) as u8));
+        let grey = GreyView::Depth16(right.view());
+        let upper = right_upper.view();
+        let level = Level::detect();
+        let deep = alignment.align(level, left_upper.view(), grey, upper, range);
+        let (expected, _) = aligned(level, &turned);
+        let GreyView::Depth16(grey) = deep.grey else { panic!("another depth") };
+        assert!(mean_difference(&deep.upper.to_plane(), &expected) < 0.6);
+        assert_eq!(deep.upper.to_plane(), grey.to_plane().map(|&grey| (grey >> 8) as u8));
+        let low = |x: usize| grey.row(80)[x] & 0xff;
+        assert!((1..200).any(|x| low(x) != low(0)), "the lower bits are interpolated too");
+    }
+}

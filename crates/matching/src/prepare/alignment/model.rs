@@ -1,0 +1,211 @@
+//! How vertical disparity changes over an image, and the robust fit of it.
+//!
+//! A camera that is turned a little moves a point at `(x, y)` from the middle, in focal lengths, down by
+//! (Longuet-Higgins & Prazdny, *The interpretation of a moving retinal image*, 1980)
+//!
+//! ```text
+//! dy = pitch (1 + y^2) + yaw x y + roll x
+//! ```
+//!
+//! and one with another focal length by `c y`. Neither angles nor focal lengths have to be known for
+//! that: the five shapes `1, x, y, x y, y^2` are fitted as they come. How far away things are does not
+//! matter, as long as the cameras stand side by side.
+
+use super::correspondence::Correspondence;
+
+/// The shapes that vertical disparity is made of.
+const SHAPES: usize = 5;
+/// Correspondences farther off than this, in pixels, or than so many standard deviations do not count.
+const LEAST_OUTLIER: f64 = 0.15;
+const OUTLIER: f64 = 3.0;
+const ROUNDS: usize = 12;
+/// The standard deviation of normal errors over the median of their sizes.
+const DEVIATION: f64 = 1.4826;
+/// The fit holds when at least so many correspondences lie within so many pixels of it, and this part
+/// of all.
+const AGREEING: usize = 40;
+const AGREEMENT: f64 = 0.3;
+const AGREEING_PART: f64 = 0.5;
+/// Pulls shapes of which little is seen towards zero: as many correspondences without any.
+const RIDGE: f64 = 0.02;
+
+/// How far things stand lower in the right image than in the left one, in pixels: a smooth function of
+/// the place in the right image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VerticalDisparity {
+    size: (usize, usize),
+    shares: [f64; SHAPES],
+}
+
+impl VerticalDisparity {
+    /// The shapes at a place, which runs from -0.5 to 0.5 over the image.
+    fn shapes(x: f64, y: f64) -> [f64; SHAPES] {
+        [1.0, x, y, x * y, y * y]
+    }
+
+    fn place(&self, x: f64, y: f64) -> (f64, f64) {
+        (x / self.size.0 as f64 - 0.5, y / self.size.1 as f64 - 0.5)
+    }
+
+    /// That at column `x` and row `y` of the right image.
+    pub fn at(&self, x: f64, y: f64) -> f64 {
+        let (x, y) = self.place(x, y);
+        Self::shapes(x, y).iter().zip(self.shares).map(|(shape, share)| shape * share).sum()
+    }
+
+    /// That at the first column of row `y`, and the change from column to column.
+    pub(super) fn along_row(&self, y: usize) -> (f32, f32) {
+        let [first, next] = [0.0, 1.0].map(|x| self.at(x, y as f64));
+        (first as f32, (next - first) as f32)
+    }
+
+    /// Evenly spread places of the image.
+    fn places(&self) -> impl Iterator<Item = f64> {
+        let [columns, rows] = [self.size.0, self.size.1].map(|size| size.saturating_sub(1) as f64);
+        let part = |i: i32| f64::from(i) / 8.0;
+        (0..=8)
+            .flat_map(move |j| (0..=8).map(move |i| (part(i) * columns, part(j) * rows)))
+            .map(|(x, y)| self.at(x, y))
+    }
+
+    /// The root of its mean square over the image, in pixels.
+    pub fn root_mean_square(&self) -> f64 {
+        let (sum, count) = self.places().fold((0.0, 0), |(sum, n), dy| (sum + dy * dy, n + 1));
+        (sum / f64::from(count)).sqrt()
+    }
+
+    /// The largest one in the image, up or down, in pixels.
+    pub fn largest(&self) -> f64 {
+        self.places().fold(0.0, |largest, dy| f64::max(largest, dy.abs()))
+    }
+
+    /// Fits it to correspondences in an image of a size, by least squares, again and again with weights
+    /// by how far off each one is (Tukey's biweight). None where too few agree.
+    pub(super) fn fit<'a>(
+        found: impl Iterator<Item = &'a Correspondence> + Clone,
+        size: (usize, usize),
+        residuals: &mut Vec<f64>,
+    ) -> Option<Self> {
+        let mut model = Self { size, shares: [0.0; SHAPES] };
+        let off = |model: &Self, one: &Correspondence| {
+            one.down - model.at(f64::from(one.column), f64::from(one.row))
+        };
+        residuals.clear();
+        residuals.extend(found.clone().map(|one| one.down));
+        if residuals.len() < AGREEING {
+            return None;
+        }
+        // From the middle one on: a fit to all of them would follow those that are wrong.
+        model.shares[0] = *middle(residuals);
+        for _ in 0..ROUNDS {
+            residuals.clear();
+            residuals.extend(found.clone().map(|one| off(&model, one).abs()));
+            let outlier = (OUTLIER * DEVIATION * *middle(residuals)).max(LEAST_OUTLIER);
+            let mut equations = [[0.0; SHAPES + 1]; SHAPES];
+            for one in found.clone() {
+                let far = off(&model, one) / outlier;
+                if far.abs() >= 1.0 {
+                    continue;
+                }
+                let weight = (1.0 - far * far).powi(2);
+                let (x, y) = model.place(f64::from(one.column), f64::from(one.row));
+                let shapes = Self::shapes(x, y);
+                for (equation, shape) in equations.iter_mut().zip(shapes) {
+                    for (sum, other) in equation.iter_mut().zip(shapes) {
+                        *sum += weight * shape * other;
+                    }
+                    equation[SHAPES] += weight * shape * one.down;
+                }
+            }
+            for (i, equation) in equations.iter_mut().enumerate() {
+                equation[i] += RIDGE;
+            }
+            model.shares = solved(equations);
+        }
+        let agreeing = residuals.iter().filter(|&&off| off < AGREEMENT).count();
+        let enough = (AGREEING_PART * residuals.len() as f64).max(AGREEING as f64);
+        (agreeing as f64 >= enough).then_some(model)
+    }
+}
+
+/// The middle one by size.
+fn middle(numbers: &mut [f64]) -> &mut f64 {
+    let half = numbers.len() / 2;
+    numbers.select_nth_unstable_by(half, f64::total_cmp).1
+}
+
+/// Solves equations whose matrix is symmetric and positive: Gauss & Jordan without a search for pivots.
+fn solved(mut equations: [[f64; SHAPES + 1]; SHAPES]) -> [f64; SHAPES] {
+    for i in 0..SHAPES {
+        let pivot = equations[i].map(|number| number / equations[i][i]);
+        for (k, equation) in equations.iter_mut().enumerate() {
+            let factor = if k == i { 0.0 } else { equation[i] };
+            for (number, pivot) in equation.iter_mut().zip(pivot) {
+                *number -= factor * pivot;
+            }
+        }
+        equations[i] = pivot;
+    }
+    equations.map(|equation| equation[SHAPES])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+
+    const SIZE: (usize, usize) = (1000, 400);
+
+    fn truth() -> VerticalDisparity {
+        VerticalDisparity { size: SIZE, shares: [0.4, -0.6, 0.3, 2.0, -0.8] }
+    }
+
+    /// Correspondences with noise, of which a part is anything.
+    fn correspondences(count: usize, wrong: f32) -> Vec<Correspondence> {
+        let mut chance = Chance(11);
+        let mut one = || {
+            let [x, y] = [SIZE.0, SIZE.1].map(|size| chance.share() * size as f32);
+            let noise = f64::from(chance.share() - 0.5);
+            let is_wrong = chance.share() < wrong;
+            let down =
+                truth().at(f64::from(x), f64::from(y)) + noise * if is_wrong { 8.0 } else { 0.2 };
+            Correspondence { column: x, row: y, down }
+        };
+        (0..count).map(|_| one()).collect()
+    }
+
+    fn fitted(found: &[Correspondence]) -> Option<VerticalDisparity> {
+        VerticalDisparity::fit(found.iter(), SIZE, &mut Vec::new())
+    }
+
+    #[test]
+    fn a_third_of_wrong_ones_does_not_move_the_fit() {
+        let model = fitted(&correspondences(400, 0.33)).expect("most agree");
+        for (x, y) in [(0.0, 0.0), (999.0, 0.0), (0.0, 399.0), (999.0, 399.0), (500.0, 200.0)] {
+            let off = model.at(x, y) - truth().at(x, y);
+            assert!(off.abs() < 0.08, "({x}, {y}): {off}");
+        }
+        assert!((model.root_mean_square() - truth().root_mean_square()).abs() < 0.02);
+        assert!((model.largest() - truth().largest()).abs() < 0.08);
+        let (first, step) = truth().along_row(100);
+        assert!((f64::from(first + 700.0 * step) - truth().at(700.0, 100.0)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn few_or_contradicting_ones_tell_nothing() {
+        assert_eq!(fitted(&[]), None);
+        assert_eq!(fitted(&correspondences(30, 0.0)), None);
+        assert_eq!(fitted(&correspondences(400, 0.95)), None);
+    }
+
+    #[test]
+    fn what_is_not_seen_stays_small() {
+        // All of them in one corner, where five shapes look alike.
+        let mut found = correspondences(400, 0.0);
+        for one in &mut found {
+            (one.column, one.row, one.down) = (0.05 * one.column, 0.05 * one.row, 0.5);
+        }
+        let model = fitted(&found).expect("all agree");
+        assert!(model.largest() < 1.5, "{model:?}");
+    }
+}

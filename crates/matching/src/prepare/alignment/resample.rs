@@ -1,0 +1,124 @@
+//! An image whose rows are taken from between its rows.
+//!
+//! `out(x, y) = I(x, y + dy(x, y))`, by a cubic through four samples of the column (Catmull & Rom; Keys
+//! 1981), rounded to nearest. Beyond the ends of a column its samples are repeated.
+
+use raster::View;
+
+use super::model::VerticalDisparity;
+use crate::kernels::level::at_every_level;
+
+/// Columns that are taken from the same four rows.
+const LANES: usize = 32;
+
+/// Operations on bytes per pixel: a place and a cubic of 20 operations of 32 bits.
+pub(super) const OPERATIONS: usize = 20 * 4;
+
+at_every_level! {
+    /// Row `y` of an image with 8 bits.
+    pub(super) fn resample_8_bit(
+        image: View<'_, u8>,
+        vertical: &VerticalDisparity,
+        y: usize,
+        out: &mut [u8],
+    ) {
+        resample(image, vertical, y, out, 255.0, |sample| sample as u8);
+    }
+
+    /// Row `y` of an image with 16 bits.
+    pub(super) fn resample_16_bit(
+        image: View<'_, u16>,
+        vertical: &VerticalDisparity,
+        y: usize,
+        out: &mut [u16],
+    ) {
+        resample(image, vertical, y, out, 65535.0, |sample| sample as u16);
+    }
+}
+
+#[inline(always)]
+fn resample<T: Copy + Into<f32>>(
+    image: View<'_, T>,
+    vertical: &VerticalDisparity,
+    y: usize,
+    out: &mut [T],
+    largest: f32,
+    to_sample: impl Fn(i32) -> T,
+) {
+    let last = image.rows() as i64 - 1;
+    let (first, step) = vertical.along_row(y);
+    for (block, out) in out.chunks_mut(LANES).enumerate() {
+        let x = block * LANES;
+        // Vertical disparity hardly changes within a block: its rows are those around its middle.
+        let middle = first + step * (x + LANES / 2) as f32;
+        let below = middle.floor();
+        let rows = [-1, 0, 1, 2].map(|row| {
+            let row = (y as i64 + below as i64 + row).clamp(0, last) as usize;
+            &image.row(row)[x..][..out.len()]
+        });
+        for (i, out) in out.iter_mut().enumerate() {
+            let t = first + step * (x + i) as f32 - below;
+            let [a, b, c, d] = [rows[0][i], rows[1][i], rows[2][i], rows[3][i]].map(Into::into);
+            let cubic = 3.0 * (b - c) + d - a;
+            let square = 2.0 * a - 5.0 * b + 4.0 * c - d;
+            let sample = b + 0.5 * t * (c - a + t * (square + t * cubic));
+            let sample = if sample > 0.0 { sample } else { 0.0 };
+            let sample = if sample < largest { sample } else { largest };
+            *out = to_sample((sample + 0.5) as i32);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::level::Level;
+    use crate::prepare::alignment::correspondence::Correspondence;
+    use raster::Plane;
+
+    /// The same everywhere.
+    fn constant(size: (usize, usize), down: f64) -> VerticalDisparity {
+        let found: Vec<_> = (0..100)
+            .map(|i| {
+                let (column, row) = ((i % 10 * size.0 / 10) as f32, (i / 10 * size.1 / 10) as f32);
+                Correspondence { column, row, down }
+            })
+            .collect();
+        VerticalDisparity::fit(found.iter(), size, &mut Vec::new()).expect("all agree")
+    }
+
+    #[test]
+    fn a_ramp_moves_by_what_is_asked_at_every_level() {
+        let (columns, rows) = (77, 40);
+        let image = Plane::from_fn(columns, rows, |x, y| (5 * y + x / 2) as u8);
+        let deep = image.map(|&sample| 200 * u16::from(sample));
+        for down in [-2.4, 0.2, 1.0, 3.6] {
+            let vertical = constant((columns, rows), down);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                for y in 6..30 {
+                    let (mut out, mut out_deep) = (vec![0; columns], vec![0; columns]);
+                    resample_8_bit(level, image.view(), &vertical, y, &mut out);
+                    resample_16_bit(level, deep.view(), &vertical, y, &mut out_deep);
+                    for x in 0..columns {
+                        let expected = 5.0 * (y as f64 + down) + (x / 2) as f64;
+                        assert!((f64::from(out[x]) - expected).abs() < 0.6, "{down} ({x}, {y})");
+                        assert!((f64::from(out_deep[x]) - 200.0 * expected).abs() < 4.0);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn edges_stay_in_range_and_ends_are_repeated() {
+        let image = Plane::from_fn(40, 12, |x, y| if (x + y / 2) % 2 == 0 { 255 } else { 0 });
+        let vertical = constant((40, 12), 1.5);
+        let expected = |x: usize| image.row(11)[x];
+        for level in Level::available() {
+            let mut out = vec![9; 40];
+            resample_8_bit(level, image.view(), &vertical, 11, &mut out);
+            assert!((0..40).all(|x| out[x] == expected(x)));
+        }
+    }
+}
