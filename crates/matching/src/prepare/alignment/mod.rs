@@ -27,7 +27,7 @@ use crate::prepare::grey::GreyView;
 use crate::profile::Work;
 
 /// About so many corners are looked for.
-const CORNERS: usize = 500;
+const CORNERS: usize = 300;
 /// Smaller vertical disparities (root of the mean square over the image, in pixels) are left alone:
 /// taking them out blurs more than it mends.
 const LEAST: f64 = 0.1;

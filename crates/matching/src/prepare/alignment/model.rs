@@ -23,7 +23,7 @@ const ROUNDS: usize = 12;
 const DEVIATION: f64 = 1.4826;
 /// The fit holds when at least so many correspondences lie within so many pixels of it, and this part
 /// of all.
-const AGREEING: usize = 40;
+const AGREEING: usize = 30;
 const AGREEMENT: f64 = 0.3;
 const AGREEING_PART: f64 = 0.5;
 /// Pulls shapes of which little is seen towards zero: as many correspondences without any.
