@@ -32,7 +32,7 @@ pub(crate) trait Pipeline: Send {
     fn least_memory(&self, frame: &Frame<'_>) -> usize;
 
     /// The vertical disparity that was taken out of the right image of the last frame.
-    fn vertical_disparity(&self) -> Option<VerticalDisparity> {
+    fn vertical_disparity(&self) -> Option<&VerticalDisparity> {
         None
     }
 
@@ -114,8 +114,13 @@ impl Matcher {
     /// The vertical disparity of the last pair, where it was found to be worth mending: things stood lower
     /// in the right image by so many pixels, which depend on the place, and `balanced` and `best` matched
     /// the image with that taken out. A pair that is rectified well has none; `fast` does not look for it.
-    pub fn vertical_disparity(&self) -> Option<VerticalDisparity> {
+    pub fn vertical_disparity(&self) -> Option<&VerticalDisparity> {
         self.pipeline.vertical_disparity()
+    }
+
+    /// The answer to the last pair; empty before the first one.
+    pub fn map(&self) -> &DisparityMap {
+        &self.map
     }
 
     /// Measures what this machine can do at the most, with the threads and instructions of this

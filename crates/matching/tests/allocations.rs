@@ -33,20 +33,24 @@ fn frames_after_the_first_allocate_nothing() {
 fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize, frames: usize) {
     let (columns, rows) = SIZE;
     let texture = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
-    let image = |shift: usize| Plane::from_fn(columns, rows, |x, y| texture(x + shift, y));
-    let pair = |shift: usize| [Image::Grey8(image(0)), Image::Grey8(image(shift))];
+    // Two rows higher in the right image: there is vertical disparity to be taken out.
+    let image = |(along, down): (usize, usize)| {
+        Plane::from_fn(columns, rows, |x, y| texture(x + along, y + down))
+    };
+    let pair = |shift: usize| [(0, 0), (shift, 2)].map(|by| Image::Grey8(image(by)));
     let pairs = [pair(3), pair(11)];
     let mut options = Options::new(preset, DisparityRange::new(0, DISPARITIES - 1).unwrap());
     (options.threads, options.memory) = (threads, memory);
     let mut matcher = Matcher::new(options).unwrap();
-    let mut frame = |i: usize| {
+    let frame = |matcher: &mut Matcher, i: usize| {
         let [left, right] = &pairs[i % 2];
         matcher.compute(left, right, None).unwrap();
     };
-    (0..2).for_each(&mut frame);
+    (0..2).for_each(|i| frame(&mut matcher, i));
+    assert_eq!(matcher.vertical_disparity().is_some(), preset != Preset::Fast);
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
-    (0..frames).for_each(&mut frame);
+    (0..frames).for_each(|i| frame(&mut matcher, i));
     let what = format!("{preset} with {threads} threads and limit {memory:?}");
     // An allocation that was given back again has raised the peak all the same.
     let peak = MEMORY.peak_usage().saturating_sub(before);

@@ -7,7 +7,7 @@ use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Plane};
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// A slanted wall of noise.
+/// A slanted wall of noise that stands two rows higher in the right image.
 fn pair(columns: usize, rows: usize) -> [Plane<u8>; 2] {
     let texture = |x: usize, y: usize| {
         let noise = (x * 0x9E37 + y * 0x79B9).wrapping_mul(0x2545_F491_4F6C_DD1D);
@@ -15,7 +15,7 @@ fn pair(columns: usize, rows: usize) -> [Plane<u8>; 2] {
     };
     let seen = |x: usize, y: usize| texture(x, y) as u8;
     let left = Plane::from_fn(columns, rows, seen);
-    let right = Plane::from_fn(columns, rows, |x, y| seen(x + 3 + y / 16, y));
+    let right = Plane::from_fn(columns, rows, |x, y| seen(x + 3 + y / 16, y + 2));
     [left, right]
 }
 

@@ -363,8 +363,8 @@ impl SemiGlobalMatching {
 }
 
 impl Pipeline for SemiGlobalMatching {
-    fn vertical_disparity(&self) -> Option<VerticalDisparity> {
-        self.vertical
+    fn vertical_disparity(&self) -> Option<&VerticalDisparity> {
+        self.vertical.as_ref()
     }
 
     fn least_memory(&self, frame: &Frame<'_>) -> usize {

@@ -136,13 +136,25 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
     let spinner = ui.spinner(format!("matching ({})", options.preset));
     let stopwatch = Stopwatch::start();
-    let map = matcher.compute(&left, &right, args.bounds)?;
+    matcher.compute(&left, &right, args.bounds)?;
     let elapsed = stopwatch.elapsed();
     spinner.finish_and_clear();
 
     let bounds = args.bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
-    let sidecar = Sidecar::new(&args.left, &args.right, &outputs, &options, bounds, map, elapsed)?;
+    let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
+    let inputs = (args.left.as_path(), args.right.as_path());
+    let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
+    if let Some(vertical) = vertical {
+        ui.note(format_args!(
+            "{}: things stand up to {:.1} px higher or lower than in {} ({:.2} px rms): mended, but \
+             rectify the cameras anew if you can",
+            args.right.display(),
+            vertical.largest(),
+            args.left.display(),
+            vertical.root_mean_square(),
+        ));
+    }
     ui.note(format_args!(
         "{}: {}, disparities {} to {} in {:.3} s; {:.1} % matched{}",
         outputs.disparity.display(),

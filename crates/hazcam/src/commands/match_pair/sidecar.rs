@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use matching::{Holes, Level, Options};
+use matching::{Holes, Level, Options, VerticalDisparity};
 use raster::{BoundingBox, DisparityMap, Reason};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -27,8 +27,17 @@ pub struct Sidecar {
     cpu_level: &'static str,
     /// Of the matching alone, without reading and writing files.
     time: Elapsed,
+    /// What was taken out of the right image before it was matched; none where it was left as it is.
+    vertical_disparity: Option<VerticalRecord>,
     /// Pixels of the box per reason, as shares from 0 to 1; reasons that do not occur are left out.
     reasons: BTreeMap<&'static str, f64>,
+}
+
+/// In pixels, over the image.
+#[derive(Serialize)]
+struct VerticalRecord {
+    root_mean_square: f64,
+    largest: f64,
 }
 
 #[derive(Serialize)]
@@ -55,12 +64,12 @@ struct OptionsRecord {
 impl Sidecar {
     /// Hashes the inputs and counts the reasons.
     pub fn new(
-        left: &Path,
-        right: &Path,
+        (left, right): (&Path, &Path),
         outputs: &Outputs,
         options: &Options,
         bounds: BoundingBox,
         map: &DisparityMap,
+        vertical: Option<&VerticalDisparity>,
         time: Elapsed,
     ) -> anyhow::Result<Self> {
         Ok(Self {
@@ -84,6 +93,10 @@ impl Sidecar {
             },
             cpu_level: Level::chosen()?.name(),
             time,
+            vertical_disparity: vertical.map(|vertical| VerticalRecord {
+                root_mean_square: vertical.root_mean_square(),
+                largest: vertical.largest(),
+            }),
             reasons: shares(map, bounds),
         })
     }

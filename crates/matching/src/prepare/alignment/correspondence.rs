@@ -22,7 +22,7 @@ const ABOVE: usize = 5;
 const FARTHEST: f32 = 3.0;
 const AROUND: usize = 3;
 /// How far a window's middle stays away from the ends of the images.
-pub(super) const MARGIN: usize = 12;
+pub(super) const MARGIN: usize = 13;
 /// The weakest corner: the least eigenvalue per pixel, of central differences in grey levels.
 const WEAKEST: f32 = 1.0;
 /// Rows at which a corner is looked for, one set after the other until it is found.
@@ -44,7 +44,11 @@ const LOST: f32 = 0.1;
 /// Windows with less variance than this per pixel are flat.
 const FLAT: f32 = 1.0;
 
-const _: () = assert!(MARGIN >= WIDE - BEFORE + AROUND && MARGIN > ABOVE + AROUND + 2);
+// To either side: the window, as far as it moves, one sample more to look between them, and one more
+// to smooth.
+const _: () =
+    assert!(MARGIN >= WIDE - 1 - BEFORE + AROUND + 2 && MARGIN >= TALL - 1 - ABOVE + AROUND + 2);
+const _: () = assert!(MARGIN > BEFORE + AROUND && MARGIN > ABOVE + AROUND);
 
 type Lanes = [f32; WIDE];
 type Window = [Lanes; TALL];

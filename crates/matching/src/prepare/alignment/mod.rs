@@ -184,7 +184,7 @@ mod tests {
     fn aligned(level: Level, pair: &[Plane<u8>; 2]) -> (Plane<u8>, Option<VerticalDisparity>) {
         let mut alignment = Alignment::default();
         let [left, right] = pair.each_ref().map(Plane::view);
-        let range = DisparityRange::new(0, 30).unwrap();
+        let range = DisparityRange::new(-30, 30).unwrap();
         let aligned = alignment.align(level, left, GreyView::Depth8(right), right, range);
         (aligned.upper.to_plane(), aligned.vertical)
     }
@@ -224,6 +224,30 @@ mod tests {
         for (columns, rows) in [(1, 1), (24, 90), (25, 25), (300, 3)] {
             let flat = [0, 1].map(|_| Plane::filled(columns, rows, 90));
             assert_eq!(aligned(Level::detect(), &flat), (flat[1].clone(), None));
+        }
+    }
+
+    #[test]
+    fn corners_anywhere_in_small_images_are_followed_to_their_ends() {
+        let mut chance = Chance(5);
+        let sizes = (1..40).flat_map(|size| [(size, 70), (70, size), (size, size)]);
+        for (columns, rows) in sizes {
+            let noise = Plane::from_fn(columns + 9, rows + 9, |_, _| chance.bits(8) as u8);
+            for (along, down) in [(0, 0), (0, 2), (3, 4), (9, 9)] {
+                let part = |x: usize, y: usize| {
+                    Plane::from_fn(columns, rows, |u, v| noise.row(y + v)[x + u])
+                };
+                for pair in [[part(0, 0), part(along, down)], [part(along, down), part(0, 0)]] {
+                    let (image, vertical) = aligned(Level::detect(), &pair);
+                    assert_eq!(image.size(), (columns, rows));
+                    // Few pixels tell nothing; two rows are found exactly.
+                    let found = vertical.map_or(0.0, |vertical| vertical.largest());
+                    assert!(
+                        found == 0.0 || (found - 2.0).abs() < 0.1,
+                        "{columns} x {rows}: {found}"
+                    );
+                }
+            }
         }
     }
 

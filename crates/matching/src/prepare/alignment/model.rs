@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn few_or_contradicting_ones_tell_nothing() {
         assert_eq!(fitted(&[]), None);
-        assert_eq!(fitted(&correspondences(30, 0.0)), None);
+        assert_eq!(fitted(&correspondences(29, 0.0)), None);
         assert_eq!(fitted(&correspondences(400, 0.95)), None);
     }
 
