@@ -2,7 +2,7 @@
 
 use std::process::Stdio;
 
-use raster::Plane;
+use raster::{Image, Plane};
 use serde_json::Value;
 
 use crate::folder::{Folder, disparities};
@@ -40,6 +40,35 @@ fn every_matcher_finds_a_wall_and_records_what_it_did() {
             record["reasons"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).sum();
         assert!((shares - 1.0).abs() < 1e-9);
     }
+}
+
+#[test]
+fn vertical_disparity_is_mended_told_and_recorded() {
+    let folder = Folder::with_pair(200, 122);
+    // The right image begins two rows lower, so that all of it stands two rows higher.
+    for (name, top) in [("left.png", 0), ("right.png", 2)] {
+        let Image::Grey8(image) = formats::read_image(folder.path(name)).unwrap() else {
+            panic!("the wall is grey");
+        };
+        let part = Plane::from_fn(200, 120, |x, y| image.row(y + top)[x]);
+        formats::write_image(folder.path(name), &Image::Grey8(part)).unwrap();
+    }
+    for matcher in ["balanced", "best"] {
+        let arguments = format!("match left.png right.png -o d.pfm -d 12 --matcher {matcher}");
+        let outcome = folder.run(&arguments).done();
+        let told = "right.png: things stand up to 2.0 px higher or lower than on the left";
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        let map = disparities(folder.path("d.pfm"));
+        assert!(share_at_three(&map) > 0.95, "{matcher}: {}", share_at_three(&map));
+        let recorded = &sidecar(&folder, "d.pfm.json")["vertical_disparity"];
+        for field in ["root_mean_square", "largest"] {
+            assert!((recorded[field].as_f64().unwrap() - 2.0).abs() < 0.05, "{recorded}");
+        }
+    }
+    let folder = Folder::with_pair(200, 120);
+    let outcome = folder.run("match left.png right.png -o d.pfm -d 12").done();
+    assert!(!outcome.stderr.contains("higher or lower"), "{}", outcome.stderr);
+    assert_eq!(sidecar(&folder, "d.pfm.json")["vertical_disparity"], Value::Null);
 }
 
 #[test]

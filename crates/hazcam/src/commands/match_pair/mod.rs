@@ -114,6 +114,10 @@ enum HolesArgument {
     Keep,
 }
 
+/// A pair with more vertical disparity than this somewhere, in pixels, was not rectified for its cameras
+/// as they are.
+const BADLY_RECTIFIED: f64 = 1.5;
+
 /// Checks everything that can be checked, matches, then writes all files or none.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let outputs = Outputs {
@@ -146,12 +150,15 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
+        let advice = match vertical.largest() > BADLY_RECTIFIED {
+            true => "; rectify the cameras anew if you can",
+            false => "",
+        };
         ui.note(format_args!(
-            "{}: things stand up to {:.1} px higher or lower than in {} ({:.2} px rms): mended, but \
-             rectify the cameras anew if you can",
+            "{}: things stand up to {:.1} px higher or lower than on the left ({:.2} px rms), which was \
+             mended{advice}",
             args.right.display(),
             vertical.largest(),
-            args.left.display(),
             vertical.root_mean_square(),
         ));
     }

@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use raster::{DisparityRange, View};
 
+use super::model::VerticalDisparity;
 use crate::kernels::level::at_every_level;
 
 /// Columns and rows of a window; its middle has 7 columns before it and 5 rows above it.
@@ -84,12 +85,15 @@ at_every_level! {
         images: [View<'_, u8>; 2],
         cell: (Range<usize>, Range<usize>),
         range: DisparityRange,
+        expected: Option<&VerticalDisparity>,
         scores: &mut Scores,
     ) -> Option<Correspondence> {
         let [left, right] = images;
         let corner = corner(left, cell)?;
         let window = normalised(window(left, corner))?;
-        let start = find(&window, right, corner, range, scores)?;
+        let expected = expected.map_or(0.0, |vertical| vertical.at(corner.x as f64, corner.y as f64));
+        let row = corner.y as i64 + expected.round() as i64;
+        let start = find(&window, right, (corner.x as i64, row), range, scores)?;
         let (along, down) = track(left, corner, right, start)?;
         let column = start.x as f32 + along;
         let row = start.y as f32 + down;
@@ -192,17 +196,17 @@ fn strength(image: View<'_, u8>, Place { x, y }: Place) -> f32 {
     0.5 * (xx + yy - ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt())
 }
 
-/// Where a normalised window is found in the right image.
+/// Where a normalised window is found in the right image: `x` is its column in the left one, `row` the
+/// first row to look at.
 #[inline(always)]
 fn find(
     wanted: &Window,
     right: View<'_, u8>,
-    corner: Place,
+    (x, row): (i64, i64),
     range: DisparityRange,
     scores: &mut Scores,
 ) -> Option<Place> {
     let last = right.columns() - 1 - MARGIN;
-    let x = corner.x as i64;
     let first = (x - i64::from(range.max())).max(MARGIN as i64);
     let end = (x - i64::from(range.min())).min(last as i64) + 1;
     if first >= end {
@@ -211,8 +215,8 @@ fn find(
     let (first, count) = (first as usize, (end - first) as usize);
     let mut best = (FOUND, None);
     for rows in ROWS {
-        for row in rows {
-            let y = corner.y as i64 + row;
+        for apart in rows {
+            let y = row + apart;
             if y < MARGIN as i64 || y > (right.rows() - 1 - MARGIN) as i64 {
                 continue;
             }
@@ -438,7 +442,7 @@ mod tests {
     fn found(level: Level, images: &[Plane<u8>; 2]) -> Option<Correspondence> {
         let range = DisparityRange::new(-5, 25).unwrap();
         let views = images.each_ref().map(Plane::view);
-        correspond(level, views, CELL, range, &mut Scores::default())
+        correspond(level, views, CELL, range, None, &mut Scores::default())
     }
 
     #[test]

@@ -32,6 +32,10 @@ const CORNERS: usize = 300;
 /// taking them out blurs more than it mends.
 const LEAST: f64 = 0.1;
 
+/// Where the vertical disparity is larger somewhere, in pixels, corners are looked for once more, around
+/// the rows where it says that they are.
+const FAR: f64 = 1.5;
+
 /// The memory of the alignment, kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Alignment {
@@ -74,11 +78,12 @@ impl Alignment {
         range: DisparityRange,
     ) -> Aligned<'a> {
         let (columns, rows) = (left.columns(), left.rows());
-        self.correspond(level, left, upper, range);
-        let Self { found, residuals, depth8, depth16, upper: upper_bits, .. } = self;
-        let found_there = found.iter().flatten();
-        let vertical = VerticalDisparity::fit(found_there, (columns, rows), residuals)
-            .filter(|vertical| vertical.root_mean_square() >= LEAST);
+        let mut vertical = self.measure(level, [left, upper], range, None);
+        if vertical.is_some_and(|vertical| vertical.largest() > FAR) {
+            vertical = self.measure(level, [left, upper], range, vertical.as_ref());
+        }
+        let vertical = vertical.filter(|vertical| vertical.root_mean_square() >= LEAST);
+        let Self { depth8, depth16, upper: upper_bits, .. } = self;
         // Both images are looked at here and there.
         let looked = Work::bytes(2 * columns * rows);
         let Some(vertical) = vertical else {
@@ -109,20 +114,21 @@ impl Alignment {
         Aligned { grey, upper, vertical: Some(vertical), done }
     }
 
-    /// Matches a corner of every cell of the left image that has one.
-    fn correspond(
+    /// The vertical disparity that corners of the left image show. They are looked for around the rows
+    /// that are `expected`.
+    fn measure(
         &mut self,
         level: Level,
-        left: View<'_, u8>,
-        right: View<'_, u8>,
+        images: [View<'_, u8>; 2],
         range: DisparityRange,
-    ) {
-        let (columns, rows) = (left.columns(), left.rows());
+        expected: Option<&VerticalDisparity>,
+    ) -> Option<VerticalDisparity> {
+        let (columns, rows) = (images[0].columns(), images[0].rows());
         let (across, down) = cells(columns, rows);
         self.found.clear();
         self.found.resize(across * down, None);
         if self.found.is_empty() {
-            return;
+            return None;
         }
         let inside = (columns - 2 * MARGIN, rows - 2 * MARGIN);
         let threads = rayon::current_num_threads();
@@ -136,9 +142,10 @@ impl Alignment {
                 };
                 let (x, y) =
                     (ends(cell % across, across, inside.0), ends(cell / across, down, inside.1));
-                *found = correspond(level, [left, right], (x, y), range, scores);
+                *found = correspond(level, images, (x, y), range, expected, scores);
             }
         });
+        VerticalDisparity::fit(self.found.iter().flatten(), (columns, rows), &mut self.residuals)
     }
 }
 
