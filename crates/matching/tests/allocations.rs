@@ -39,6 +39,7 @@ fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize,
     };
     let pair = |shift: usize| [(0, 0), (shift, 2)].map(|by| Image::Grey8(image(by)));
     let pairs = [pair(3), pair(11)];
+    let rectified = [0, 3].map(|along| Image::Grey8(image((along, 0))));
     let mut options = Options::new(preset, DisparityRange::new(0, DISPARITIES - 1).unwrap());
     (options.threads, options.memory) = (threads, memory);
     let mut matcher = Matcher::new(options).unwrap();
@@ -46,11 +47,16 @@ fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize,
         let [left, right] = &pairs[i % 2];
         matcher.compute(left, right, None).unwrap();
     };
-    (0..2).for_each(|i| frame(&mut matcher, i));
-    assert_eq!(matcher.vertical_disparity().is_some(), preset != Preset::Fast);
+    // Nothing to mend in the first frame: what that takes must be there already.
+    matcher.compute(&rectified[0], &rectified[1], None).unwrap();
+    assert_eq!(matcher.vertical_disparity(), None);
+    if preset == Preset::Fast {
+        (0..2).for_each(|i| frame(&mut matcher, i));
+    }
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
     (0..frames).for_each(|i| frame(&mut matcher, i));
+    assert_eq!(matcher.vertical_disparity().is_some(), preset != Preset::Fast);
     let what = format!("{preset} with {threads} threads and limit {memory:?}");
     // An allocation that was given back again has raised the peak all the same.
     let peak = MEMORY.peak_usage().saturating_sub(before);

@@ -400,7 +400,7 @@ impl Pipeline for SemiGlobalMatching {
         let mut alignment = std::mem::take(&mut self.alignment);
         self.vertical = None;
         if space.count > 0 && ingredients.has(Ingredient::VerticalAlignment) {
-            let aligned = alignment.align(level, grey[0], views[1], grey[1], range);
+            let aligned = alignment.align(level, grey[0], views[1], grey[1], frame.range);
             (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
             made_grey = made_grey + aligned.done;
         }

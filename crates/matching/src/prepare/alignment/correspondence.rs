@@ -4,15 +4,15 @@
 //!    sums of products of its gradients (Shi & Tomasi, *Good Features to Track*, 1994).
 //! 2. It is looked for along its row by normalised cross-correlation, and some rows above and below
 //!    where that finds nothing.
-//! 3. From the best place on it is tracked in both directions (Lucas & Kanade 1981), in windows that
-//!    are normalised too, so that cameras may differ in exposure and gain.
+//! 3. From the best place on it is tracked along and across its row (Lucas & Kanade 1981), in windows
+//!    that are normalised too, so that cameras may differ in exposure and gain.
 
 use std::ops::Range;
 
 use raster::{DisparityRange, View};
 
-use super::model::VerticalDisparity;
 use crate::kernels::level::at_every_level;
+use crate::profile::Work;
 
 /// Columns and rows of a window; its middle has 7 columns before it and 5 rows above it.
 const WIDE: usize = 16;
@@ -21,21 +21,23 @@ const BEFORE: usize = 7;
 const ABOVE: usize = 5;
 /// A track stays nearer than this to where it began, in pixels.
 const FARTHEST: f32 = 3.0;
+/// Samples to each side of a window that it may move over.
 const AROUND: usize = 3;
+const _: () = assert!(FARTHEST <= AROUND as f32);
 /// How far a window's middle stays away from the ends of the images.
 pub(super) const MARGIN: usize = 13;
 /// The weakest corner: the least eigenvalue per pixel, of central differences in grey levels.
 const WEAKEST: f32 = 1.0;
 /// Rows at which a corner is looked for, one set after the other until it is found.
 const ROWS: [&[i64]; 2] = [&[0], &[-2, 2]];
-/// Correlation at whole pixels: what is found, and what is enough not to look on. What the best place
-/// lacks of 1, at least this, must be less than this part of what the next best one does, which lies more
-/// than so many columns away.
+/// Correlation at whole pixels that counts as found, and one that is enough not to look on.
 const FOUND: f32 = 0.7;
 const CLEAR: f32 = 0.9;
-const APART: usize = 3;
+/// What the best place lacks of a correlation of 1, but at least [`LACKING`], must be less than this part
+/// of what the next best one lacks, which lies more than [`APART`] columns away.
 const UNIQUE: f32 = 0.7;
 const LACKING: f32 = 0.01;
+const APART: usize = 3;
 /// Correlation at the end of the track.
 const TRACKED: f32 = 0.9;
 const STEPS: usize = 8;
@@ -54,7 +56,8 @@ const _: () = assert!(MARGIN > BEFORE + AROUND && MARGIN > ABOVE + AROUND);
 type Lanes = [f32; WIDE];
 type Window = [Lanes; TALL];
 
-/// Where a corner stands in the right image, and how much lower than in the left one.
+/// The column in which a corner stands in the right image, its row in the left one, and how many rows
+/// lower it stands in the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Correspondence {
     pub column: f32,
@@ -67,9 +70,31 @@ pub(super) struct Correspondence {
 pub(super) struct Scores(Vec<f32>);
 
 impl Scores {
-    pub fn bytes(range: DisparityRange) -> usize {
-        size_of::<f32>() * range.count().next_multiple_of(WIDE)
+    fn most(columns: usize, range: DisparityRange) -> usize {
+        range.count().min(columns).next_multiple_of(WIDE)
     }
+
+    pub fn bytes(columns: usize, range: DisparityRange) -> usize {
+        size_of::<f32>() * Self::most(columns, range)
+    }
+
+    pub fn reserve(&mut self, columns: usize, range: DisparityRange) {
+        self.0.clear();
+        self.0.reserve_exact(Self::most(columns, range));
+    }
+}
+
+/// What it takes to look for a corner in a cell: the pixels of four windows and those around them, and
+/// per pixel two differences, three products and three sums of 32 bits.
+pub(super) fn looked() -> Work {
+    Work::bytes(4 * (WIDE + 2) * (TALL + 2)) + Work::operations(4 * 8 * 4 * WIDE * TALL)
+}
+
+/// What it takes to find a corner at the least: along one row all columns of its windows are read, each
+/// place takes a product and a sum of 32 bits per pixel.
+pub(super) fn work(columns: usize, range: DisparityRange) -> Work {
+    let places = range.count().min(columns);
+    Work::bytes(TALL * (places + WIDE)) + Work::operations(4 * 2 * WIDE * TALL) * places
 }
 
 /// A place of an image.
@@ -85,19 +110,16 @@ at_every_level! {
         images: [View<'_, u8>; 2],
         cell: (Range<usize>, Range<usize>),
         range: DisparityRange,
-        expected: Option<&VerticalDisparity>,
         scores: &mut Scores,
     ) -> Option<Correspondence> {
         let [left, right] = images;
         let corner = corner(left, cell)?;
-        let window = normalised(window(left, corner))?;
-        let expected = expected.map_or(0.0, |vertical| vertical.at(corner.x as f64, corner.y as f64));
-        let row = corner.y as i64 + expected.round() as i64;
-        let start = find(&window, right, (corner.x as i64, row), range, scores)?;
+        let (window, _) = normalised(window(left, corner))?;
+        let start = find(&window, right, corner, range, scores)?;
         let (along, down) = track(left, corner, right, start)?;
         let column = start.x as f32 + along;
-        let row = start.y as f32 + down;
-        Some(Correspondence { column, row, down: f64::from(row - corner.y as f32) })
+        let down = start.y as f32 + down - corner.y as f32;
+        Some(Correspondence { column, row: corner.y as f32, down: f64::from(down) })
     }
 }
 
@@ -127,9 +149,9 @@ fn sum(mut lanes: Lanes) -> f32 {
     lanes[0]
 }
 
-/// A window with mean 0 and squares that add to 1; none of a flat one.
+/// A window with mean 0 and squares that add to 1, and what it was multiplied by; none of a flat one.
 #[inline(always)]
-fn normalised(mut window: Window) -> Option<Window> {
+fn normalised(mut window: Window) -> Option<(Window, f32)> {
     const PIXELS: f32 = (WIDE * TALL) as f32;
     let mut sums = [0.0; WIDE];
     for samples in &window {
@@ -155,7 +177,7 @@ fn normalised(mut window: Window) -> Option<Window> {
             samples[l] *= scale;
         }
     }
-    Some(window)
+    Some((window, scale))
 }
 
 /// The strongest corner of four places of a cell.
@@ -196,17 +218,17 @@ fn strength(image: View<'_, u8>, Place { x, y }: Place) -> f32 {
     0.5 * (xx + yy - ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt())
 }
 
-/// Where a normalised window is found in the right image: `x` is its column in the left one, `row` the
-/// first row to look at.
+/// Where a normalised window, that of a corner, is found in the right image.
 #[inline(always)]
 fn find(
     wanted: &Window,
     right: View<'_, u8>,
-    (x, row): (i64, i64),
+    corner: Place,
     range: DisparityRange,
     scores: &mut Scores,
 ) -> Option<Place> {
     let last = right.columns() - 1 - MARGIN;
+    let x = corner.x as i64;
     let first = (x - i64::from(range.max())).max(MARGIN as i64);
     let end = (x - i64::from(range.min())).min(last as i64) + 1;
     if first >= end {
@@ -216,7 +238,7 @@ fn find(
     let mut best = (FOUND, None);
     for rows in ROWS {
         for apart in rows {
-            let y = row + apart;
+            let y = corner.y as i64 + apart;
             if y < MARGIN as i64 || y > (right.rows() - 1 - MARGIN) as i64 {
                 continue;
             }
@@ -353,43 +375,35 @@ fn track(
     start: Place,
 ) -> Option<(f32, f32)> {
     let rich = smoothed(left, corner);
-    let wanted = normalised(between(&rich, 0.0, 0.0))?;
+    let (wanted, scale) = normalised(between(&rich, 0.0, 0.0))?;
     let (mut along, mut down) = ([[0.0; WIDE]; TALL], [[0.0; WIDE]; TALL]);
-    let [mut xx, mut yy, mut xy] = [[0.0; WIDE]; 3];
     for j in 0..TALL {
         let [above, row, below] = [AROUND + j - 1, AROUND + j, AROUND + j + 1].map(|j| &rich[j]);
         for l in 0..WIDE {
             let i = AROUND + l;
-            along[j][l] = 0.5 * (row[i + 1] - row[i - 1]);
-            down[j][l] = 0.5 * (below[i] - above[i]);
-            xx[l] += along[j][l] * along[j][l];
-            yy[l] += down[j][l] * down[j][l];
-            xy[l] += along[j][l] * down[j][l];
+            along[j][l] = 0.5 * scale * (row[i + 1] - row[i - 1]);
+            down[j][l] = 0.5 * scale * (below[i] - above[i]);
         }
     }
-    let [xx, yy, xy] = [xx, yy, xy].map(sum);
+    let (along, down) = (seen(along, &wanted), seen(down, &wanted));
+    let [xx, yy, xy] =
+        [(&along, &along), (&down, &down), (&along, &down)].map(|(a, b)| products(a, b));
     let determinant = xx * yy - xy * xy;
     if determinant <= 1e-3 * xx * yy {
         return None;
     }
-    // Windows are normalised: gradients are those of a window whose squares add to this.
-    let scale = spread(&rich);
     let rich = smoothed(right, start);
     let (mut x, mut y) = (0.0f32, 0.0f32);
     let (mut last, mut alike) = (f32::INFINITY, 0.0);
     for _ in 0..STEPS {
-        let there = normalised(between(&rich, x, y))?;
-        let [mut products, mut off_along, mut off_down] = [[0.0; WIDE]; 3];
+        let (mut off, _) = normalised(between(&rich, x, y))?;
+        alike = products(&off, &wanted);
         for j in 0..TALL {
             for l in 0..WIDE {
-                let off = there[j][l] - wanted[j][l];
-                products[l] += there[j][l] * wanted[j][l];
-                off_along[l] += off * along[j][l];
-                off_down[l] += off * down[j][l];
+                off[j][l] -= wanted[j][l];
             }
         }
-        alike = sum(products);
-        let (off_along, off_down) = (sum(off_along) * scale, sum(off_down) * scale);
+        let (off_along, off_down) = (products(&off, &along), products(&off, &down));
         let step_x = (yy * off_along - xy * off_down) / determinant;
         let step_y = (xx * off_down - xy * off_along) / determinant;
         (x, y) = (x - step_x, y - step_y);
@@ -404,19 +418,30 @@ fn track(
     (last < LOST && alike > TRACKED).then_some((x, y))
 }
 
-/// The root of the sum of squares of a window about its mean.
+/// The sum of products of two windows.
 #[inline(always)]
-fn spread(rich: &Rich) -> f32 {
-    let (mut sums, mut squares) = ([0.0; WIDE], [0.0; WIDE]);
-    for row in &rich[AROUND..AROUND + TALL] {
+fn products(a: &Window, b: &Window) -> f32 {
+    let mut sums = [0.0; WIDE];
+    for j in 0..TALL {
         for l in 0..WIDE {
-            let sample = row[AROUND + l];
-            sums[l] += sample;
-            squares[l] += sample * sample;
+            sums[l] += a[j][l] * b[j][l];
         }
     }
-    let mean = sum(sums) / (WIDE * TALL) as f32;
-    (sum(squares) - mean * sum(sums)).max(0.0).sqrt()
+    sum(sums)
+}
+
+/// What is left of a change of a window when the window is normalised again: nothing of its mean, nothing
+/// of what is like the window itself.
+#[inline(always)]
+fn seen(mut change: Window, window: &Window) -> Window {
+    let like = products(&change, window);
+    let mean = products(&change, &[[1.0; WIDE]; TALL]) * (1.0 / (WIDE * TALL) as f32);
+    for j in 0..TALL {
+        for l in 0..WIDE {
+            change[j][l] -= like * window[j][l] + mean;
+        }
+    }
+    change
 }
 
 #[cfg(test)]
@@ -442,7 +467,7 @@ mod tests {
     fn found(level: Level, images: &[Plane<u8>; 2]) -> Option<Correspondence> {
         let range = DisparityRange::new(-5, 25).unwrap();
         let views = images.each_ref().map(Plane::view);
-        correspond(level, views, CELL, range, None, &mut Scores::default())
+        correspond(level, views, CELL, range, &mut Scores::default())
     }
 
     #[test]
@@ -486,13 +511,13 @@ mod tests {
     fn correlation_is_its_definition() {
         let images = [seen(0.0, 0.0, 1.0), seen(-6.0, 0.0, 1.0)];
         let place = Place { x: 60, y: 40 };
-        let wanted = normalised(window(images[0].view(), place)).unwrap();
+        let (wanted, _) = normalised(window(images[0].view(), place)).unwrap();
         let mut scores = Scores::default();
         let (first, count) = (MARGIN, 120 - 2 * MARGIN);
         let scores = correlate(&wanted, images[1].view(), 40, first, count, &mut scores).to_vec();
         for (s, score) in scores.iter().enumerate() {
             let there = Place { x: first + s, y: 40 };
-            let there = normalised(window(images[1].view(), there)).unwrap();
+            let (there, _) = normalised(window(images[1].view(), there)).unwrap();
             let products = there.iter().flatten().zip(wanted.iter().flatten());
             let expected: f32 = products.map(|(a, b)| a * b).sum();
             assert!((score - expected).abs() < 1e-3, "{s}: {score} {expected}");

@@ -9,7 +9,8 @@
 //!
 //! and one with another focal length by `c y`. Neither angles nor focal lengths have to be known for
 //! that: the five shapes `1, x, y, x y, y^2` are fitted as they come. How far away things are does not
-//! matter, as long as the cameras stand side by side.
+//! matter, as long as the cameras stand side by side. The same turns change disparity too, by
+//! `yaw (1 + x^2)` and `roll y`, which nothing in the images tells apart from depth: that stays.
 
 use super::correspondence::Correspondence;
 
@@ -26,11 +27,15 @@ const DEVIATION: f64 = 1.4826;
 const AGREEING: usize = 30;
 const AGREEMENT: f64 = 0.3;
 const AGREEING_PART: f64 = 0.5;
+/// In so many of the four quarters of the image so many of them: beyond what is seen the fit means
+/// nothing.
+const QUARTERS: usize = 3;
+const OF_QUARTER: usize = 4;
 /// Pulls shapes of which little is seen towards zero: as many correspondences without any.
 const RIDGE: f64 = 0.02;
 
 /// How far things stand lower in the right image than in the left one, in pixels: a smooth function of
-/// the place in the right image.
+/// the column in the right image and the row in the left one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerticalDisparity {
     size: (usize, usize),
@@ -39,21 +44,25 @@ pub struct VerticalDisparity {
 
 impl VerticalDisparity {
     /// The shapes at a place, which runs from -0.5 to 0.5 over the image.
+    #[inline(always)]
     fn shapes(x: f64, y: f64) -> [f64; SHAPES] {
         [1.0, x, y, x * y, y * y]
     }
 
+    #[inline(always)]
     fn place(&self, x: f64, y: f64) -> (f64, f64) {
         (x / self.size.0 as f64 - 0.5, y / self.size.1 as f64 - 0.5)
     }
 
-    /// That at column `x` and row `y` of the right image.
+    /// That at column `x` of the right image and row `y` of the left one.
+    #[inline(always)]
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = self.place(x, y);
         Self::shapes(x, y).iter().zip(self.shares).map(|(shape, share)| shape * share).sum()
     }
 
     /// That at the first column of row `y`, and the change from column to column.
+    #[inline(always)]
     pub(super) fn along_row(&self, y: usize) -> (f32, f32) {
         let [first, next] = [0.0, 1.0].map(|x| self.at(x, y as f64));
         (first as f32, (next - first) as f32)
@@ -107,7 +116,8 @@ impl VerticalDisparity {
                 if far.abs() >= 1.0 {
                     continue;
                 }
-                let weight = (1.0 - far * far).powi(2);
+                let near = 1.0 - far * far;
+                let weight = near * near;
                 let (x, y) = model.place(f64::from(one.column), f64::from(one.row));
                 let shapes = Self::shapes(x, y);
                 for (equation, shape) in equations.iter_mut().zip(shapes) {
@@ -117,14 +127,20 @@ impl VerticalDisparity {
                     equation[SHAPES] += weight * shape * one.down;
                 }
             }
-            for (i, equation) in equations.iter_mut().enumerate() {
+            for (i, equation) in equations.iter_mut().enumerate().skip(1) {
                 equation[i] += RIDGE;
             }
             model.shares = solved(equations);
         }
-        let agreeing = residuals.iter().filter(|&&off| off < AGREEMENT).count();
+        let mut agreeing = [0; 4];
+        for one in found.clone().filter(|one| off(&model, one).abs() < AGREEMENT) {
+            let (x, y) = model.place(f64::from(one.column), f64::from(one.row));
+            agreeing[usize::from(x > 0.0) + 2 * usize::from(y > 0.0)] += 1;
+        }
         let enough = (AGREEING_PART * residuals.len() as f64).max(AGREEING as f64);
-        (agreeing as f64 >= enough).then_some(model)
+        let spread = agreeing.iter().filter(|&&quarter| quarter >= OF_QUARTER).count();
+        let all = agreeing.iter().sum::<usize>();
+        (all as f64 >= enough && spread >= QUARTERS).then_some(model)
     }
 }
 
@@ -199,13 +215,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_seen_stays_small() {
-        // All of them in one corner, where five shapes look alike.
+    fn those_of_a_part_of_the_image_tell_nothing_of_the_rest() {
         let mut found = correspondences(400, 0.0);
         for one in &mut found {
-            (one.column, one.row, one.down) = (0.05 * one.column, 0.05 * one.row, 0.5);
+            one.column *= 0.5;
         }
-        let model = fitted(&found).expect("all agree");
-        assert!(model.largest() < 1.5, "{model:?}");
+        assert_eq!(fitted(&found), None);
+        found[..20].iter_mut().for_each(|one| one.column += 500.0);
+        let lower = |one: &Correspondence| one.row > 200.0;
+        assert!(found[..20].iter().filter(|one| lower(one)).count() > OF_QUARTER);
+        found.iter_mut().for_each(|one| one.down = 0.5);
+        assert!((fitted(&found).expect("three quarters are seen").largest() - 0.5).abs() < 0.05);
     }
 }

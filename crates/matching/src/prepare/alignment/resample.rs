@@ -9,7 +9,7 @@ use super::model::VerticalDisparity;
 use crate::kernels::level::at_every_level;
 
 /// Columns that are taken from the same four rows.
-const LANES: usize = 32;
+const LANES: usize = 16;
 
 /// Operations on bytes per pixel: a place and a cubic of 20 operations of 32 bits.
 pub(super) const OPERATIONS: usize = 20 * 4;
@@ -113,12 +113,23 @@ mod tests {
     #[test]
     fn edges_stay_in_range_and_ends_are_repeated() {
         let image = Plane::from_fn(40, 12, |x, y| if (x + y / 2) % 2 == 0 { 255 } else { 0 });
+        let deep = image.map(|&sample| u16::from(sample) * 257);
         let vertical = constant((40, 12), 1.5);
-        let expected = |x: usize| image.row(11)[x];
         for level in Level::available() {
-            let mut out = vec![9; 40];
-            resample_8_bit(level, image.view(), &vertical, 11, &mut out);
-            assert!((0..40).all(|x| out[x] == expected(x)));
+            for y in 0..12 {
+                let (mut out, mut out_deep) = (vec![9; 40], vec![9; 40]);
+                resample_8_bit(level, image.view(), &vertical, y, &mut out);
+                resample_16_bit(level, deep.view(), &vertical, y, &mut out_deep);
+                let row = |down: usize| image.row((y + down).min(11));
+                for x in 0..40 {
+                    // Halfway between two samples, by those and the next ones.
+                    let [a, b, c, d] = [0, 1, 2, 3].map(|down| f64::from(row(down)[x]));
+                    let expected = (9.0 * (b + c) - a - d) / 16.0;
+                    let expected = expected.clamp(0.0, 255.0);
+                    assert!((f64::from(out[x]) - expected).abs() < 0.6, "({x}, {y})");
+                    assert!((f64::from(out_deep[x]) - 257.0 * expected).abs() < 1.0, "({x}, {y})");
+                }
+            }
         }
     }
 }
