@@ -268,6 +268,22 @@ fn find(
     best.1
 }
 
+/// Samples of a row from `start` on, as many as windows at [`WIDE`] places see; zeros beyond its end.
+#[inline(always)]
+fn row_from(row: &[u8], start: usize) -> [f32; 2 * WIDE] {
+    let mut samples = [0u8; 2 * WIDE];
+    let rest = &row[start..];
+    match rest.first_chunk::<{ 2 * WIDE }>() {
+        Some(whole) => samples = *whole,
+        None => samples[..rest.len()].copy_from_slice(rest),
+    }
+    let mut out = [0.0; 2 * WIDE];
+    for i in 0..2 * WIDE {
+        out[i] = f32::from(samples[i]);
+    }
+    out
+}
+
 /// The correlation of a normalised window with those of the right image whose middles are at row `y`
 /// from column `first` on.
 #[inline(always)]
@@ -284,23 +300,26 @@ fn correlate<'a>(
     scores.resize(count.next_multiple_of(WIDE), 0.0);
     for (block, scores) in scores.chunks_exact_mut(WIDE).enumerate() {
         let start = first + block * WIDE - BEFORE;
-        let mut products = [0.0; WIDE];
+        // Sums of their own for every fourth column: one sum would wait for itself.
+        let [mut a, mut b, mut c, mut d] = [[0.0; WIDE]; 4];
         // Of columns, then of windows.
         let (mut sums, mut squares) = ([0.0; 2 * WIDE], [0.0; 2 * WIDE]);
-        for (j, wanted) in wanted.iter().enumerate() {
-            let mut row = [0.0; 2 * WIDE];
-            let samples = &right.row(y + j - ABOVE)[start..];
-            // The last block may reach beyond the end of the image.
-            for (to, from) in row.iter_mut().zip(samples) {
-                *to = f32::from(*from);
-            }
+        // All of them before any is read: what was only just written is slow to be had from elsewhere.
+        let mut rows = [[0.0; 2 * WIDE]; TALL];
+        for (j, row) in rows.iter_mut().enumerate() {
+            *row = row_from(right.row(y + j - ABOVE), start);
+        }
+        for (row, wanted) in rows.iter().zip(wanted) {
             for i in 0..2 * WIDE {
                 sums[i] += row[i];
                 squares[i] += row[i] * row[i];
             }
-            for i in 0..WIDE {
+            for i in (0..WIDE).step_by(4) {
                 for l in 0..WIDE {
-                    products[l] += wanted[i] * row[i + l];
+                    a[l] += wanted[i] * row[i + l];
+                    b[l] += wanted[i + 1] * row[i + 1 + l];
+                    c[l] += wanted[i + 2] * row[i + 2 + l];
+                    d[l] += wanted[i + 3] * row[i + 3 + l];
                 }
             }
         }
@@ -313,7 +332,8 @@ fn correlate<'a>(
         }
         for l in 0..WIDE {
             let variance = square[l] - sum[l] * sum[l] * (1.0 / PIXELS);
-            let score = products[l] / if variance > 0.0 { variance } else { 1.0 }.sqrt();
+            let product = (a[l] + b[l]) + (c[l] + d[l]);
+            let score = product / if variance > 0.0 { variance } else { 1.0 }.sqrt();
             scores[l] = if variance > FLAT * PIXELS { score } else { 0.0 };
         }
     }

@@ -22,7 +22,7 @@ at_every_level! {
         y: usize,
         out: &mut [u8],
     ) {
-        resample(image, vertical, y, out, 255.0, |sample| sample as u8);
+        resample(image, vertical, y, out);
     }
 
     /// Row `y` of an image with 16 bits.
@@ -32,41 +32,106 @@ at_every_level! {
         y: usize,
         out: &mut [u16],
     ) {
-        resample(image, vertical, y, out, 65535.0, |sample| sample as u16);
+        resample(image, vertical, y, out);
+    }
+}
+
+/// A grey value of either depth. (Conversions of the standard library go through closures, which are not
+/// compiled for the level.)
+trait Grey: Copy + Default {
+    const LARGEST: f32;
+    fn wide(self) -> f32;
+    fn narrow(number: i32) -> Self;
+}
+
+impl Grey for u8 {
+    const LARGEST: f32 = 255.0;
+
+    #[inline(always)]
+    fn wide(self) -> f32 {
+        f32::from(self)
+    }
+
+    #[inline(always)]
+    fn narrow(number: i32) -> Self {
+        number as u8
+    }
+}
+
+impl Grey for u16 {
+    const LARGEST: f32 = 65535.0;
+
+    #[inline(always)]
+    fn wide(self) -> f32 {
+        f32::from(self)
+    }
+
+    #[inline(always)]
+    fn narrow(number: i32) -> Self {
+        number as u16
     }
 }
 
 #[inline(always)]
-fn resample<T: Copy + Into<f32>>(
-    image: View<'_, T>,
-    vertical: &VerticalDisparity,
-    y: usize,
-    out: &mut [T],
-    largest: f32,
-    to_sample: impl Fn(i32) -> T,
-) {
-    let last = image.rows() as i64 - 1;
+fn resample<T: Grey>(image: View<'_, T>, vertical: &VerticalDisparity, y: usize, out: &mut [T]) {
     let (first, step) = vertical.along_row(y);
-    for (block, out) in out.chunks_mut(LANES).enumerate() {
+    let columns = out.len();
+    let (blocks, rest) = out.as_chunks_mut::<LANES>();
+    for (block, out) in blocks.iter_mut().enumerate() {
         let x = block * LANES;
-        // Vertical disparity hardly changes within a block: its rows are those around its middle.
-        let middle = first + step * (x + LANES / 2) as f32;
-        let below = middle.floor();
-        let rows = [-1, 0, 1, 2].map(|row| {
-            let row = (y as i64 + below as i64 + row).clamp(0, last) as usize;
-            &image.row(row)[x..][..out.len()]
-        });
-        for (i, out) in out.iter_mut().enumerate() {
-            let t = first + step * (x + i) as f32 - below;
-            let [a, b, c, d] = [rows[0][i], rows[1][i], rows[2][i], rows[3][i]].map(Into::into);
-            let cubic = 3.0 * (b - c) + d - a;
-            let square = 2.0 * a - 5.0 * b + 4.0 * c - d;
-            let sample = b + 0.5 * t * (c - a + t * (square + t * cubic));
-            let sample = if sample > 0.0 { sample } else { 0.0 };
-            let sample = if sample < largest { sample } else { largest };
-            *out = to_sample((sample + 0.5) as i32);
+        *out = block_at(image, x, y, first + step * x as f32, step);
+    }
+    if !rest.is_empty() && columns >= LANES {
+        // The last block overlaps the one before it.
+        let x = columns - LANES;
+        let last = block_at(image, x, y, first + step * x as f32, step);
+        rest.copy_from_slice(&last[LANES - rest.len()..]);
+    } else {
+        for (x, out) in rest.iter_mut().enumerate() {
+            let down = first + step * x as f32;
+            let [a, b, c, d] = rows(image, y, down);
+            *out = between(a[x], b[x], c[x], d[x], down - down.floor());
         }
     }
+}
+
+/// The four rows around one that lies so many pixels below row `y`.
+#[inline(always)]
+fn rows<'a, T>(image: View<'a, T>, y: usize, down: f32) -> [&'a [T]; 4] {
+    let last = image.rows() as i64 - 1;
+    let middle = y as i64 + down.floor() as i64;
+    let row = |apart: i64| image.row((middle + apart).clamp(0, last) as usize);
+    [row(-1), row(0), row(1), row(2)]
+}
+
+/// [`LANES`] columns from `x` on, the first of them so many pixels below row `y`. Vertical disparity
+/// hardly changes within them: all are taken from the rows around the middle one.
+#[inline(always)]
+fn block_at<T: Grey>(image: View<'_, T>, x: usize, y: usize, first: f32, step: f32) -> [T; LANES] {
+    let middle = first + step * (LANES / 2) as f32;
+    let [a, b, c, d] = rows(image, y, middle);
+    let (a, b) = (&a[x..][..LANES], &b[x..][..LANES]);
+    let (c, d) = (&c[x..][..LANES], &d[x..][..LANES]);
+    let first = first - middle.floor();
+    let mut out = [T::default(); LANES];
+    for l in 0..LANES {
+        out[l] = between(a[l], b[l], c[l], d[l], first + step * l as f32);
+    }
+    out
+}
+
+/// What lies the part `t` of the way from `b` to `c`.
+#[inline(always)]
+fn between<T: Grey>(a: T, b: T, c: T, d: T, t: f32) -> T {
+    /// Adding it leaves no room for a fraction.
+    const ROUNDING: f32 = 12_582_912.0;
+    let (a, b, c, d) = (a.wide(), b.wide(), c.wide(), d.wide());
+    let cubic = 3.0 * (b - c) + d - a;
+    let square = 2.0 * a - 5.0 * b + 4.0 * c - d;
+    let sample = b + 0.5 * t * (c - a + t * (square + t * cubic));
+    let sample = if sample > 0.0 { sample } else { 0.0 };
+    let sample = if sample < T::LARGEST { sample } else { T::LARGEST };
+    T::narrow((sample + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32)
 }
 
 #[cfg(test)]
