@@ -1,4 +1,4 @@
-//! What matching costs are computed from.
+//! What matching costs are computed from: images whose rows agree, and what is made of them.
 
 pub(crate) mod alignment;
 pub(crate) mod census;

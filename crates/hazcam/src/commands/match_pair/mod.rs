@@ -19,8 +19,9 @@ use sidecar::Sidecar;
 
 /// Match two rectified images: a disparity for every pixel of the left one
 ///
-/// The images must be rectified: a point of the scene lies in the same row of both. A disparity d
-/// says that left (x, y) shows what right (x - d, y) shows; it is in pixels.
+/// The images must be rectified: a point of the scene lies in the same row of both. What rectification
+/// left of that, up to about four rows, balanced and best find and mend. A disparity d says that left
+/// (x, y) shows what right (x - d, y) shows; it is in pixels.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The format of OUT follows its extension:
@@ -28,8 +29,8 @@ The format of OUT follows its extension:
   .npy   float32, NaN where there is none (NumPy)
   .tiff  float32, NaN where there is none
   .png   16 bit, 256 d, 0 where there is none (KITTI): 0 to below 256 pixels
-OUT.json beside it records version, options, the inputs' SHA-256, times, and the share of pixels
-per reason. On an error nothing is written.
+OUT.json beside it records version, options, the inputs' SHA-256, times, the vertical disparity that
+was mended, and the share of pixels per reason. On an error nothing is written.
 
 Environment:
   HAZCAM_CPU  vector instructions to use instead of the best, see `hazcam doctor`
