@@ -7,10 +7,11 @@ use matching::{Ingredient, Matcher, Options, Preset};
 
 use crate::run;
 
-/// A cluttered room, rendered small.
+/// A cluttered room, rendered small and rectified badly.
 fn room() -> scenes::Scene {
     let mut settings = scenes::Settings::new(scenes::Kind::Clutter, 3);
-    (settings.columns, settings.rows, settings.max_disparity) = (160, 120, 24);
+    (settings.columns, settings.rows, settings.max_disparity) = (240, 180, 36);
+    settings.vertical_offset = 1.5;
     scenes::render(&settings).unwrap()
 }
 

@@ -74,8 +74,9 @@ mod tests {
         let engines = engines(&[Preset::Balanced]).unwrap();
         assert_eq!(engines.len(), 1 + Ingredient::of(Preset::Balanced).len());
         assert_eq!(engines[0].name, "balanced");
-        assert_eq!(engines[1].name, "balanced-without-gradient");
-        assert!(engines[1].command.ends_with(&["--without".to_owned(), "gradient".to_owned()]));
+        assert_eq!(engines[1].name, "balanced-without-vertical-alignment");
+        let without = ["--without".to_owned(), "vertical-alignment".to_owned()];
+        assert!(engines[1].command.ends_with(&without));
     }
 
     #[test]
