@@ -4,4 +4,5 @@
 pub mod level;
 pub(crate) mod median;
 pub(crate) mod path;
+pub(crate) mod rounding;
 pub(crate) mod sad;

@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use crate::cost::looks::{Comparison, RowsWithEnds};
 use crate::kernels::level::Level;
+use crate::kernels::rounding::nearest;
 use crate::refinement::plane_fit::Surface;
 
 /// Half the window.
@@ -171,9 +172,7 @@ static COLUMNS: [[f32; LANES]; SIDE] = {
 /// other numbers, as `as` does, is several times as long.)
 #[inline(always)]
 fn whole(d: f32) -> i32 {
-    // Here the distance between two numbers is 1, which is that of their bits too.
-    const ONES: f32 = 12_582_912.0;
-    (d - 0.5 + ONES).to_bits() as i32 - ONES.to_bits() as i32
+    nearest(d - 0.5)
 }
 
 #[inline(always)]

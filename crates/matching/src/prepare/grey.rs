@@ -85,14 +85,18 @@ impl GreyBuffer {
             GreyView::Depth16(view) => {
                 upper.reset(view.columns(), view.rows(), 0);
                 for y in 0..view.rows() {
-                    let samples = upper.row_mut(y).iter_mut().zip(view.row(y));
-                    samples.for_each(|(to, from)| *to = (from >> 8) as u8);
+                    upper_bits(view.row(y), upper.row_mut(y));
                 }
                 upper.view()
             }
         };
         (grey, bits)
     }
+}
+
+/// The upper 8 of 16 bits.
+pub(crate) fn upper_bits(from: &[u16], to: &mut [u8]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = (from >> 8) as u8);
 }
 
 /// The image's grey, with memory for that of a colour image of either depth.

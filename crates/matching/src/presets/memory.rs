@@ -75,7 +75,7 @@ impl Needs {
         let (all, wide, part) = (width * height, width * lines, columns * lines);
         let of_image = |image| (grey(image) + upper_bits(image)) * all;
         let images = of_image(frame.left) + of_image(frame.right);
-        let deep = matches!(frame.right, Image::Grey16(_) | Image::Rgb16(_));
+        let deep = upper_bits(frame.right) > 0;
         let images = match ingredients.has(Ingredient::VerticalAlignment) {
             false => images,
             true => images + Alignment::bytes(width, height, frame.range, deep),

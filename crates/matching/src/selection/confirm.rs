@@ -16,13 +16,10 @@
 
 use crate::cost::SearchSpace;
 use crate::kernels::level::at_every_level;
+use crate::kernels::rounding::nearest;
 use crate::kernels::sad::{Layout, OUT, Winners};
 use crate::selection::fixed_point::{FixedPoint, HOLE};
 use crate::selection::winner::tip_of_v;
-
-/// Adding and taking away this number rounds a float below it to a whole one, in two operations at
-/// every level.
-const ROUNDING: f32 = (3 << 22) as f32;
 
 at_every_level! {
     /// Fills one row of `disparities` and `confidence`. `opposite` is scratch of the same length.
@@ -50,7 +47,7 @@ at_every_level! {
             let found = (least[x] < OUT) & (confirming[x] == opposite[x]);
             let valley = valley(before[x], least[x], after[x]);
             let steps = (f32::from(index[x]) + valley.fraction) * scale;
-            let steps = ((steps + ROUNDING) - ROUNDING) as i32 as u16;
+            let steps = nearest(steps) as u16;
             disparities[x] = if found { steps } else { HOLE };
             confidence[x] = if found { valley.confidence } else { 0.0 };
         }

@@ -25,7 +25,7 @@ use self::correspondence::{Correspondence, MARGIN, Scores, correspond};
 pub use self::model::VerticalDisparity;
 use self::resample::{resample_8_bit, resample_16_bit};
 use crate::kernels::level::Level;
-use crate::prepare::grey::GreyView;
+use crate::prepare::grey::{GreyView, upper_bits};
 use crate::profile::Work;
 
 /// About so many corners are looked for.
@@ -79,7 +79,7 @@ impl Alignment {
         self.reserve(grey, range);
         let (vertical, looked) = self.measure(level, [left, upper], range);
         let vertical = vertical.filter(|vertical| vertical.root_mean_square() >= LEAST);
-        let Self { depth8, depth16, upper: upper_bits, .. } = self;
+        let Self { depth8, depth16, upper: upper_plane, .. } = self;
         let Some(vertical) = vertical else {
             return Aligned { grey, upper, vertical: None, done: looked };
         };
@@ -94,12 +94,12 @@ impl Alignment {
             }
             GreyView::Depth16(view) => {
                 let out = depth16.samples_mut().par_chunks_mut(columns);
-                let out = out.zip(upper_bits.samples_mut().par_chunks_mut(columns)).enumerate();
+                let out = out.zip(upper_plane.samples_mut().par_chunks_mut(columns)).enumerate();
                 out.for_each(|(y, (out, upper))| {
                     resample_16_bit(level, view, &vertical, y, out);
-                    upper.iter_mut().zip(out).for_each(|(to, from)| *to = (*from >> 8) as u8);
+                    upper_bits(out, upper);
                 });
-                (GreyView::Depth16(depth16.view()), upper_bits.view())
+                (GreyView::Depth16(depth16.view()), upper_plane.view())
             }
         };
         Aligned { grey, upper, vertical: Some(vertical), done }

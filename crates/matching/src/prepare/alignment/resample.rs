@@ -7,6 +7,7 @@ use raster::View;
 
 use super::model::VerticalDisparity;
 use crate::kernels::level::at_every_level;
+use crate::kernels::rounding::nearest;
 
 /// Columns that are taken from the same four rows.
 const LANES: usize = 16;
@@ -123,15 +124,13 @@ fn block_at<T: Grey>(image: View<'_, T>, x: usize, y: usize, first: f32, step: f
 /// What lies the part `t` of the way from `b` to `c`.
 #[inline(always)]
 fn between<T: Grey>(a: T, b: T, c: T, d: T, t: f32) -> T {
-    /// Adding it leaves no room for a fraction.
-    const ROUNDING: f32 = 12_582_912.0;
     let (a, b, c, d) = (a.wide(), b.wide(), c.wide(), d.wide());
     let cubic = 3.0 * (b - c) + d - a;
     let square = 2.0 * a - 5.0 * b + 4.0 * c - d;
     let sample = b + 0.5 * t * (c - a + t * (square + t * cubic));
     let sample = if sample > 0.0 { sample } else { 0.0 };
     let sample = if sample < T::LARGEST { sample } else { T::LARGEST };
-    T::narrow((sample + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32)
+    T::narrow(nearest(sample))
 }
 
 #[cfg(test)]

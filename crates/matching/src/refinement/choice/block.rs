@@ -10,6 +10,7 @@ use super::reach::{MOST, Place, Reach};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
 use crate::kernels::level::Level;
+use crate::kernels::rounding::nearest;
 
 /// Pixels that are worked on together.
 pub(crate) const LANES: usize = 16;
@@ -403,14 +404,6 @@ fn add(by: &Lanes, what: &Lanes, to: &mut Lanes) {
 #[inline(always)]
 fn share(is: bool) -> f32 {
     if is { 1.0 } else { 0.0 }
-}
-
-/// The whole number nearest to one that is not large.
-#[inline(always)]
-pub(super) fn nearest(number: f32) -> i32 {
-    /// Adding it leaves no room for a fraction.
-    const ROUNDING: f32 = 12_582_912.0;
-    (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
 }
 
 /// Every so many-th sample of a row from `start` on; beyond its ends the row is repeated.

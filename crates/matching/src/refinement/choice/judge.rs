@@ -12,8 +12,9 @@
 //! Pixels of one row are worked on side by side. Sums are taken in the same order at every level and
 //! without fused multiply-adds: all levels give the same bits.
 
-use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL, nearest};
+use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL};
 use super::reach::{MOST, Reach};
+use crate::kernels::rounding::nearest;
 
 /// The most numbers that a layer has.
 const LARGEST: usize = 32;

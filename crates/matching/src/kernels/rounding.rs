@@ -1,0 +1,21 @@
+//! Rounding to whole numbers in a way that every level does alike, and in two operations.
+
+/// The whole number nearest to one that is smaller than 2^22.
+#[inline(always)]
+pub(crate) fn nearest(number: f32) -> i32 {
+    /// Adding it leaves no room for a fraction.
+    const ROUNDING: f32 = 12_582_912.0;
+    (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_go_to_even_numbers_and_all_else_to_the_nearest() {
+        for number in [0.0, -0.2, 0.49, 0.5, 1.5, 2.5, -1.5, 7.51, -63.7, 65_535.4, -4_000_000.3] {
+            assert_eq!(nearest(number), number.round_ties_even() as i32, "{number}");
+        }
+    }
+}
