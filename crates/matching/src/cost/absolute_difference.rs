@@ -9,6 +9,7 @@
 //! kept in a ring that is just long enough, and so stay in the first-level cache.
 
 use crate::cost::SearchSpace;
+use crate::kernels::aligned::{Aligned, LINE};
 use crate::kernels::level::Level;
 use crate::kernels::sad::{LARGEST_DIFFERENCE, Layout, RADIUS, RowPair};
 use crate::prepare::grey::GreyView;
@@ -38,7 +39,7 @@ pub(crate) fn repeat_border(row: &[u8], from: i64, out: &mut [u8]) {
 pub(crate) struct FilteredRows {
     smoothed: Smoothed,
     whole: Vec<u8>,
-    left: Vec<u8>,
+    left: Aligned<u8>,
     right: Vec<u8>,
     /// A row above or below the image.
     nothing: Vec<u8>,
@@ -48,13 +49,16 @@ impl FilteredRows {
     /// The memory for the rows of a search space.
     pub fn bytes(space: &SearchSpace, layout: &Layout) -> usize {
         // A row as it is and, at 16 bits, smoothed; the ring; a row outside.
-        (1 + size_of::<u32>()) * space.width + KEPT * (layout.left + layout.right) + layout.right
+        (1 + size_of::<u32>()) * space.width
+            + KEPT * (layout.left + layout.right)
+            + layout.right
+            + LINE
     }
 
     /// Makes room for the rows of a search space.
     pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
         self.whole.resize(space.width, 0);
-        self.left.resize(KEPT * layout.left, 0);
+        self.left.refill(KEPT * layout.left, 0);
         self.right.resize(KEPT * layout.right, 0);
         self.nothing.clear();
         self.nothing.resize(layout.right, 0);

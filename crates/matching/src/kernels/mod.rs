@@ -1,6 +1,7 @@
 //! What must be quick. One file per kernel: the scalar definition, the body that the compiler
 //! vectorises, and the test that they agree bit for bit at every level of the processor.
 
+pub(crate) mod aligned;
 pub mod level;
 pub(crate) mod median;
 pub(crate) mod path;

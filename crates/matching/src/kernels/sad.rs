@@ -24,6 +24,7 @@
 
 use std::ops::Range;
 
+use super::aligned::{Aligned, LINE};
 use super::level::at_every_level;
 use crate::cost::SearchSpace;
 
@@ -111,12 +112,12 @@ pub(crate) struct Winners {
 #[derive(Debug, Default)]
 pub(crate) struct Sad {
     /// `V`: per disparity a row.
-    columns: Vec<u8>,
+    columns: Aligned<u8>,
     /// Sums of three neighbours in `V` of one disparity.
-    threes: Vec<u16>,
+    threes: Aligned<u16>,
     /// `C`: per disparity a row, and one more before the first and after the last. Where a
     /// disparity cannot be tried, and in the room before and between rows, stands [`OUT`].
-    costs: Vec<u16>,
+    costs: Aligned<u16>,
     pub winners: Winners,
 }
 
@@ -132,14 +133,14 @@ impl Sad {
         // The sums of whole rows, then those of one: of three columns, and five of winners; the
         // right view's are longer.
         let sums = space.count * layout.left + size_of::<u16>() * (layout.count + 2) * row;
-        sums + size_of::<u16>() * (layout.left + 6 * row + layout.count + 4 * GROUP)
+        sums + size_of::<u16>() * (layout.left + 6 * row + layout.count + 4 * GROUP) + 3 * LINE
     }
 
     /// Begins a band of rows with an empty window.
     pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
-        refill(&mut self.columns, space.count * layout.left + 2 * GROUP, 0);
-        refill(&mut self.threes, layout.left + 2 * GROUP, 0);
-        refill(&mut self.costs, GROUP + (layout.count + 2) * (layout.answered + GROUP), OUT);
+        self.columns.refill(space.count * layout.left + 2 * GROUP, 0);
+        self.threes.refill(layout.left + 2 * GROUP, 0);
+        self.costs.refill(GROUP + (layout.count + 2) * (layout.answered + GROUP), OUT);
         let winners = &mut self.winners;
         for buffer in [
             &mut winners.index,
