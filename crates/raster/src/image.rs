@@ -50,6 +50,35 @@ impl Image {
         }
     }
 
+    /// How many bits the largest sample takes.
+    pub fn bits_used(&self) -> u32 {
+        fn largest<T: Copy + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> u32 {
+            pixels.as_flattened().iter().map(|&sample| sample.into()).max().unwrap_or(0)
+        }
+        let largest = match self {
+            Self::Grey8(p) => largest(p.samples().as_chunks::<1>().0),
+            Self::Grey16(p) => largest(p.samples().as_chunks::<1>().0),
+            Self::Rgb8(p) => largest(p.samples()),
+            Self::Rgb16(p) => largest(p.samples()),
+        };
+        u32::BITS - largest.leading_zeros()
+    }
+
+    /// 16-bit samples of which only the lower `bits` are used, `1..=16`, over all 16: 0 stays black, and
+    /// the largest number of so many bits becomes white. Larger samples are white too. Images of 8 bits
+    /// stay as they are.
+    pub fn widened_from(self, bits: u32) -> Self {
+        let largest = (1u32 << bits) - 1;
+        let widen = |v: u16| {
+            ((u32::from(v).min(largest) * u32::from(u16::MAX) + largest / 2) / largest) as u16
+        };
+        match self {
+            Self::Grey16(p) => Self::Grey16(p.map(|&v| widen(v))),
+            Self::Rgb16(p) => Self::Rgb16(p.map(|c| c.map(widen))),
+            shallow => shallow,
+        }
+    }
+
     /// Grey of the same depth: luma `(299 R + 587 G + 114 B) / 1000`, rounded to nearest.
     pub fn to_grey(&self) -> Grey {
         match self {
@@ -94,6 +123,22 @@ mod tests {
         // 0.299 * 255 = 76.245; 2.99 + 11.74 + 3.42 = 18.15
         assert_eq!(image.to_grey(), Grey::Depth8(Plane::new(2, 1, vec![76, 18]).unwrap()));
         assert_eq!(image.to_grey_f32().samples(), [76.245, 18.15]);
+    }
+
+    #[test]
+    fn few_bits_are_widened_to_16() {
+        let image = Image::Grey16(Plane::new(3, 1, vec![0, 512, 1023]).unwrap());
+        assert_eq!(image.bits_used(), 10);
+        // 65535 * 512 / 1023 = 32799.5
+        let wide = Image::Grey16(Plane::new(3, 1, vec![0, 32800, 65535]).unwrap());
+        assert_eq!(image.widened_from(10), wide);
+        assert_eq!((wide.bits_used(), wide.clone().widened_from(16)), (16, wide));
+        let colour = Image::Rgb16(Plane::filled(1, 1, [0, 1, 0]));
+        assert_eq!(colour.bits_used(), 1);
+        assert_eq!(colour.widened_from(1), Image::Rgb16(Plane::filled(1, 1, [0, 65535, 0])));
+        let shallow = Image::Grey8(Plane::filled(1, 1, 7));
+        assert_eq!((shallow.bits_used(), shallow.clone().widened_from(3)), (3, shallow));
+        assert_eq!(Image::Rgb8(Plane::filled(2, 1, [0; 3])).bits_used(), 0);
     }
 
     #[test]

@@ -168,6 +168,22 @@ fn a_number_of_jobs_that_is_none() {
 }
 
 #[test]
+fn bits_that_samples_cannot_have() {
+    let folder = Folder::with_pair(24, 16);
+    for bits in ["0", "17", "ten"] {
+        folder.refuses(&format!("{MATCH} --bits={bits}"), &["--bits", bits]);
+    }
+    let expected = ["--bits 10 is for images of 16 bits", "left.png has 8", "leave it out"];
+    folder.refuses(&format!("{MATCH} --bits=10"), &expected);
+    for name in ["left.png", "right.png"] {
+        let deep = Plane::from_fn(24, 16, |x, y| (40 * x + 9 * y) as u16);
+        formats::write_image(folder.path(name), &Image::Grey16(deep)).unwrap();
+    }
+    let expected = ["left.png has samples of 11 bits", "--bits 10", "give 11 or more"];
+    folder.refuses(&format!("{MATCH} --bits=10"), &expected);
+}
+
+#[test]
 fn memory_that_is_none_or_too_little() {
     let folder = Folder::with_pair(64, 40);
     for memory in ["much", "-1MB", "5apples"] {

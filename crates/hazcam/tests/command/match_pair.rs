@@ -71,6 +71,35 @@ fn vertical_disparity_is_mended_told_and_recorded() {
     assert_eq!(sidecar(&folder, "d.pfm.json")["vertical_disparity"], Value::Null);
 }
 
+/// A pair stored in 16 bits as a camera of 10 gives it, which looks into the dark: it uses 6.
+fn faint_pair() -> Folder {
+    let folder = Folder::with_pair(64, 40);
+    for name in ["left.png", "right.png"] {
+        let Image::Grey8(image) = formats::read_image(folder.path(name)).unwrap() else {
+            panic!("the wall is grey");
+        };
+        let faint = Image::Grey16(image.map(|&v| u16::from(v) / 4));
+        formats::write_image(folder.path(name), &faint).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn few_of_16_bits_are_told_and_widened_on_request() {
+    let folder = faint_pair();
+    let outcome = folder.run("match left.png right.png -o faint.pfm -d 12 -m fast").done();
+    let told = "left.png and right.png: of 16 bits the upper 10 are never used";
+    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("say --bits 6"), "{}", outcome.stderr);
+    assert_eq!(sidecar(&folder, "faint.pfm.json")["options"]["bits"], Value::Null);
+    let outcome = folder.run("match left.png right.png -o d.pfm -d 12 -m fast --bits 10").done();
+    assert!(!outcome.stderr.contains("never used"), "{}", outcome.stderr);
+    assert_eq!(sidecar(&folder, "d.pfm.json")["options"]["bits"], 10);
+    let [faint, widened] =
+        ["faint.pfm", "d.pfm"].map(|name| share_at_three(&disparities(folder.path(name))));
+    assert!(widened > 0.95 && widened > faint, "{faint} of the wall, then {widened}");
+}
+
 #[test]
 fn the_recorded_hash_is_that_of_the_file() {
     let folder = Folder::with_pair(16, 16);

@@ -1,5 +1,6 @@
 //! `hazcam match`: two images in, a disparity map out.
 
+mod bits;
 mod outputs;
 mod profile;
 mod sidecar;
@@ -15,7 +16,7 @@ use crate::arguments;
 use crate::clock::Stopwatch;
 use crate::ui::Ui;
 use outputs::Outputs;
-use sidecar::Sidecar;
+use sidecar::{Inputs, Sidecar};
 
 /// Match two rectified images: a disparity for every pixel of the left one
 ///
@@ -90,6 +91,12 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "fill", help_heading = "Matching")]
     holes: HolesArgument,
 
+    /// How many bits the camera gave the samples of 16-bit images, where they are stored as they are: 10
+    /// and 12 are usual. They are spread over all 16 [default: 16]
+    #[arg(long, value_name = "N", help_heading = "Matching")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=16))]
+    bits: Option<u32>,
+
     /// Threads to use; the answer does not depend on it [default: one per core]
     #[arg(long, value_name = "N", env = "HAZCAM_THREADS", help_heading = "Matching")]
     #[arg(value_parser = arguments::threads, hide_env_values = true)]
@@ -129,9 +136,19 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     outputs.check([&args.left, &args.right])?;
 
-    let left = formats::read_image(&args.left)?;
-    let right = formats::read_image(&args.right)?;
+    let mut left = formats::read_image(&args.left)?;
+    let mut right = formats::read_image(&args.right)?;
     check_pair(&args, &left, &right)?;
+    match args.bits {
+        Some(bits) => {
+            [left, right] = bits::widened(bits, [(&args.left, left), (&args.right, right)])?;
+        }
+        None => {
+            if let Some(unused) = bits::unused([(&args.left, &left), (&args.right, &right)]) {
+                ui.note(unused);
+            }
+        }
+    }
     let (options, assumed) = options(&args, left.columns())?;
     if let Some(assumed) = assumed {
         ui.note(assumed);
@@ -147,8 +164,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
     let bounds = args.bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
     let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
-    let inputs = (args.left.as_path(), args.right.as_path());
-    let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
+    let made_of = Inputs { left: &args.left, right: &args.right, bits: args.bits };
+    let sidecar = Sidecar::new(made_of, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
         let advice = match vertical.largest() > BADLY_RECTIFIED {

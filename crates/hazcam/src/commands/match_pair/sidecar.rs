@@ -51,6 +51,8 @@ struct Input {
 #[derive(Serialize)]
 struct OptionsRecord {
     matcher: &'static str,
+    /// How many bits 16-bit samples were said to have; none for all.
+    bits: Option<u32>,
     min_disparity: i32,
     max_disparity: i32,
     #[serde(rename = "box")]
@@ -61,10 +63,18 @@ struct OptionsRecord {
     memory: Option<usize>,
 }
 
+/// What a map is made of.
+pub struct Inputs<'a> {
+    pub left: &'a Path,
+    pub right: &'a Path,
+    /// How many bits 16-bit samples were said to have.
+    pub bits: Option<u32>,
+}
+
 impl Sidecar {
     /// Hashes the inputs and counts the reasons.
     pub fn new(
-        (left, right): (&Path, &Path),
+        Inputs { left, right, bits }: Inputs<'_>,
         outputs: &Outputs,
         options: &Options,
         bounds: BoundingBox,
@@ -81,6 +91,7 @@ impl Sidecar {
             rows: map.values.rows(),
             options: OptionsRecord {
                 matcher: options.preset.name(),
+                bits,
                 min_disparity: options.range.min(),
                 max_disparity: options.range.max(),
                 bounds: bounds.to_string(),
