@@ -123,7 +123,7 @@ impl Ingredient {
             }
             AdaptiveP2 => (
                 "adaptive-p2",
-                "P2 falls where the grey value steps",
+                "P2 falls where the grey value steps beyond noise",
                 "P2 is the same everywhere, as large as on flat grey",
             ),
             Descriptors => (

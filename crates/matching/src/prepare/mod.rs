@@ -5,4 +5,5 @@ pub(crate) mod census;
 pub(crate) mod descriptor;
 pub(crate) mod gradient;
 pub(crate) mod grey;
+pub(crate) mod noise;
 pub(crate) mod prefilter;

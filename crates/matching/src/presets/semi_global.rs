@@ -17,12 +17,14 @@ use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
+use crate::kernels::rounding::nearest;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::{Alignment, VerticalDisparity};
 use crate::prepare::grey::GreyBuffer;
+use crate::prepare::noise::noise;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson};
 use crate::refinement::plane_fill::fill;
@@ -33,9 +35,13 @@ use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What changes of disparity cost, where the paths run once and where they run again. A penalty that
-/// falls faster is better on clean pairs and worse on noisy ones, whose noise steps too.
-const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 25, fall: 96 };
+/// What changes of disparity cost, where the paths run once and where they run again; in a noisy image
+/// its steps count less ([`penalties`]).
+const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 25, fall: 96, noise: 0 };
+/// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
+/// noise of up to this standard deviation where images are clean.
+const STEPS_OF_NOISE: f32 = 3.0;
+const LITTLE_NOISE: f32 = 4.0;
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
@@ -122,6 +128,15 @@ impl SemiGlobalMatching {
     }
 }
 
+/// What changes of disparity cost in an image: the more noisy it is, the less its steps of grey count.
+fn penalties(ingredients: Ingredients, grey: raster::View<'_, u8>) -> Penalties {
+    if !ingredients.has(Ingredient::AdaptiveP2) {
+        return Penalties { fall: 0, ..PENALTIES };
+    }
+    let steps = STEPS_OF_NOISE * (noise(grey) - LITTLE_NOISE).max(0.0);
+    Penalties { noise: nearest(steps.min(255.0)) as u8, ..PENALTIES }
+}
+
 /// The part of the image that is matched to answer a box.
 fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> BoundingBox {
     BoundingBox {
@@ -145,10 +160,6 @@ impl SemiGlobalMatching {
         let Search { ingredients, level, work, bands, .. } = search;
         let doubtful =
             (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
-        let penalties = match ingredients.has(Ingredient::AdaptiveP2) {
-            true => PENALTIES,
-            false => Penalties { fall: 0, ..PENALTIES },
-        };
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
         // A range of three disparities can leave none to compare a winner with.
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
@@ -182,7 +193,7 @@ impl SemiGlobalMatching {
             &self.features.costs(level, space, doubtful),
             guide,
             follow.then_some(&self.prior),
-            &penalties,
+            &search.penalties,
             bands,
             finish,
         );
@@ -414,6 +425,7 @@ impl Pipeline for SemiGlobalMatching {
             width,
             range,
             numbers: FixedPoint::new(&space),
+            penalties: penalties(ingredients, grey[0]),
         };
         // The answer's disparities come last: until then the right view has their memory.
         self.right.map.values = std::mem::take(&mut map.values);
@@ -503,5 +515,30 @@ impl Pipeline for SemiGlobalMatching {
         profile.end("answer", reasons * (bounds.columns() * bounds.rows()));
         (self.buffers, self.alignment) = (buffers, alignment);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+
+    #[test]
+    fn steps_of_grey_count_less_in_a_noisy_image_alone() {
+        let with_noise = |most: f32| {
+            let mut chance = Chance(2);
+            let grey =
+                Plane::from_fn(90, 60, |x, _| (90.0 + x as f32 + most * chance.share()) as u8);
+            penalties(Ingredients::of(Preset::Balanced, &[]), grey.view())
+        };
+        assert_eq!(with_noise(0.0), PENALTIES);
+        // A deviation of 3: what texture is taken for.
+        assert_eq!(with_noise(10.0), PENALTIES);
+        // One of 17.
+        let noisy = with_noise(60.0);
+        assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
+        assert_eq!(Penalties { noise: 0, ..noisy }, PENALTIES);
+        let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
+        assert_eq!(penalties(without, Plane::filled(90, 60, 7).view()).fall, 0);
     }
 }

@@ -8,6 +8,7 @@ use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::optimization::bands::Bands;
+use crate::optimization::semi_global::Penalties;
 use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::profile::Work;
 use crate::refinement::groups::Groups;
@@ -37,6 +38,7 @@ pub(super) struct Search<'a> {
     /// Disparities that are tried anywhere.
     pub range: DisparityRange,
     pub numbers: FixedPoint,
+    pub penalties: Penalties,
 }
 
 /// One view with everything that is done to it.
