@@ -96,9 +96,6 @@ impl VerticalDisparity {
         residuals: &mut Vec<f64>,
     ) -> Option<Self> {
         let mut model = Self { size, shares: [0.0; SHAPES] };
-        let off = |model: &Self, one: &Correspondence| {
-            one.down - model.at(f64::from(one.column), f64::from(one.row))
-        };
         residuals.clear();
         residuals.extend(found.clone().map(|one| one.down));
         if residuals.len() < AGREEING {
@@ -108,39 +105,59 @@ impl VerticalDisparity {
         model.shares[0] = *middle(residuals);
         for _ in 0..ROUNDS {
             residuals.clear();
-            residuals.extend(found.clone().map(|one| off(&model, one).abs()));
+            residuals.extend(found.clone().map(|one| model.off(one).abs()));
             let outlier = (OUTLIER * DEVIATION * *middle(residuals)).max(LEAST_OUTLIER);
-            let mut equations = [[0.0; SHAPES + 1]; SHAPES];
-            for one in found.clone() {
-                let far = off(&model, one) / outlier;
-                if far.abs() >= 1.0 {
-                    continue;
-                }
-                let near = 1.0 - far * far;
-                let weight = near * near;
-                let (x, y) = model.place(f64::from(one.column), f64::from(one.row));
-                let shapes = Self::shapes(x, y);
-                for (equation, shape) in equations.iter_mut().zip(shapes) {
-                    for (sum, other) in equation.iter_mut().zip(shapes) {
-                        *sum += weight * shape * other;
-                    }
-                    equation[SHAPES] += weight * shape * one.down;
-                }
-            }
-            for (i, equation) in equations.iter_mut().enumerate().skip(1) {
-                equation[i] += RIDGE;
-            }
-            model.shares = solved(equations);
+            model = model.fitted_again(found.clone(), outlier);
         }
+        let count = residuals.len();
+        model.holds(found, count).then_some(model)
+    }
+
+    /// How far off a correspondence is.
+    fn off(&self, one: &Correspondence) -> f64 {
+        one.down - self.at(f64::from(one.column), f64::from(one.row))
+    }
+
+    /// The fit to correspondences that are off by less than an outlier is, weighted by how far.
+    fn fitted_again<'a>(
+        &self,
+        found: impl Iterator<Item = &'a Correspondence>,
+        outlier: f64,
+    ) -> Self {
+        let mut equations = [[0.0; SHAPES + 1]; SHAPES];
+        for one in found {
+            let far = self.off(one) / outlier;
+            if far.abs() >= 1.0 {
+                continue;
+            }
+            let near = 1.0 - far * far;
+            let weight = near * near;
+            let (x, y) = self.place(f64::from(one.column), f64::from(one.row));
+            let shapes = Self::shapes(x, y);
+            for (equation, shape) in equations.iter_mut().zip(shapes) {
+                for (sum, other) in equation.iter_mut().zip(shapes) {
+                    *sum += weight * shape * other;
+                }
+                equation[SHAPES] += weight * shape * one.down;
+            }
+        }
+        for (i, equation) in equations.iter_mut().enumerate().skip(1) {
+            equation[i] += RIDGE;
+        }
+        Self { shares: solved(equations), ..*self }
+    }
+
+    /// Whether enough of so many correspondences agree with it, in enough quarters of the image.
+    fn holds<'a>(&self, found: impl Iterator<Item = &'a Correspondence>, count: usize) -> bool {
         let mut agreeing = [0; 4];
-        for one in found.clone().filter(|one| off(&model, one).abs() < AGREEMENT) {
-            let (x, y) = model.place(f64::from(one.column), f64::from(one.row));
+        for one in found.filter(|one| self.off(one).abs() < AGREEMENT) {
+            let (x, y) = self.place(f64::from(one.column), f64::from(one.row));
             agreeing[usize::from(x > 0.0) + 2 * usize::from(y > 0.0)] += 1;
         }
-        let enough = (AGREEING_PART * residuals.len() as f64).max(AGREEING as f64);
+        let enough = (AGREEING_PART * count as f64).max(AGREEING as f64);
         let spread = agreeing.iter().filter(|&&quarter| quarter >= OF_QUARTER).count();
         let all = agreeing.iter().sum::<usize>();
-        (all as f64 >= enough && spread >= QUARTERS).then_some(model)
+        all as f64 >= enough && spread >= QUARTERS
     }
 }
 
