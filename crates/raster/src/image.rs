@@ -50,6 +50,14 @@ impl Image {
         }
     }
 
+    /// Bits per sample: 8 or 16.
+    pub fn depth(&self) -> u32 {
+        match self {
+            Self::Grey8(_) | Self::Rgb8(_) => u8::BITS,
+            Self::Grey16(_) | Self::Rgb16(_) => u16::BITS,
+        }
+    }
+
     /// How many bits the largest sample takes.
     pub fn bits_used(&self) -> u32 {
         fn largest<T: Copy + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> u32 {
@@ -64,10 +72,18 @@ impl Image {
         u32::BITS - largest.leading_zeros()
     }
 
-    /// 16-bit samples of which only the lower `bits` are used, `1..=16`, over all 16: 0 stays black, and
-    /// the largest number of so many bits becomes white. Larger samples are white too. Images of 8 bits
-    /// stay as they are.
+    /// 16-bit samples of which only the lower `bits` are used over all 16: 0 stays black, and the largest
+    /// number of so many bits becomes white. Larger samples are white too. Images of 8 bits stay as they
+    /// are.
+    ///
+    /// # Panics
+    ///
+    /// If `bits` is not from 1 to 16.
     pub fn widened_from(self, bits: u32) -> Self {
+        assert!(
+            (1..=16).contains(&bits),
+            "samples of 16 bits cannot have used {bits}: give 1 to 16"
+        );
         let largest = (1u32 << bits) - 1;
         let widen = |v: u16| {
             ((u32::from(v).min(largest) * u32::from(u16::MAX) + largest / 2) / largest) as u16
@@ -128,7 +144,7 @@ mod tests {
     #[test]
     fn few_bits_are_widened_to_16() {
         let image = Image::Grey16(Plane::new(3, 1, vec![0, 512, 1023]).unwrap());
-        assert_eq!(image.bits_used(), 10);
+        assert_eq!((image.depth(), image.bits_used()), (16, 10));
         // 65535 * 512 / 1023 = 32799.5
         let wide = Image::Grey16(Plane::new(3, 1, vec![0, 32800, 65535]).unwrap());
         assert_eq!(image.widened_from(10), wide);
@@ -138,7 +154,8 @@ mod tests {
         assert_eq!(colour.widened_from(1), Image::Rgb16(Plane::filled(1, 1, [0, 65535, 0])));
         let shallow = Image::Grey8(Plane::filled(1, 1, 7));
         assert_eq!((shallow.bits_used(), shallow.clone().widened_from(3)), (3, shallow));
-        assert_eq!(Image::Rgb8(Plane::filled(2, 1, [0; 3])).bits_used(), 0);
+        let black = Image::Rgb8(Plane::filled(2, 1, [0; 3]));
+        assert_eq!((black.depth(), black.bits_used()), (8, 0));
     }
 
     #[test]

@@ -42,17 +42,24 @@ fn every_matcher_finds_a_wall_and_records_what_it_did() {
     }
 }
 
+/// Makes other images of both of a pair, which are grey and of 8 bits.
+fn remake(folder: &Folder, change: impl Fn(&str, Plane<u8>) -> Image) {
+    for name in ["left.png", "right.png"] {
+        let Image::Grey8(image) = formats::read_image(folder.path(name)).unwrap() else {
+            panic!("the wall is grey");
+        };
+        formats::write_image(folder.path(name), &change(name, image)).unwrap();
+    }
+}
+
 #[test]
 fn vertical_disparity_is_mended_told_and_recorded() {
     let folder = Folder::with_pair(200, 122);
     // The right image begins two rows lower, so that all of it stands two rows higher.
-    for (name, top) in [("left.png", 0), ("right.png", 2)] {
-        let Image::Grey8(image) = formats::read_image(folder.path(name)).unwrap() else {
-            panic!("the wall is grey");
-        };
-        let part = Plane::from_fn(200, 120, |x, y| image.row(y + top)[x]);
-        formats::write_image(folder.path(name), &Image::Grey8(part)).unwrap();
-    }
+    remake(&folder, |name, image| {
+        let top = if name == "left.png" { 0 } else { 2 };
+        Image::Grey8(Plane::from_fn(200, 120, |x, y| image.row(y + top)[x]))
+    });
     for matcher in ["balanced", "best"] {
         let arguments = format!("match left.png right.png -o d.pfm -d 12 --matcher {matcher}");
         let outcome = folder.run(&arguments).done();
@@ -71,22 +78,11 @@ fn vertical_disparity_is_mended_told_and_recorded() {
     assert_eq!(sidecar(&folder, "d.pfm.json")["vertical_disparity"], Value::Null);
 }
 
-/// A pair stored in 16 bits as a camera of 10 gives it, which looks into the dark: it uses 6.
-fn faint_pair() -> Folder {
-    let folder = Folder::with_pair(64, 40);
-    for name in ["left.png", "right.png"] {
-        let Image::Grey8(image) = formats::read_image(folder.path(name)).unwrap() else {
-            panic!("the wall is grey");
-        };
-        let faint = Image::Grey16(image.map(|&v| u16::from(v) / 4));
-        formats::write_image(folder.path(name), &faint).unwrap();
-    }
-    folder
-}
-
 #[test]
 fn few_of_16_bits_are_told_and_widened_on_request() {
-    let folder = faint_pair();
+    // As a camera of 10 bits gives a dark scene: it uses 6.
+    let folder = Folder::with_pair(64, 40);
+    remake(&folder, |_, image| Image::Grey16(image.map(|&v| u16::from(v) / 4)));
     let outcome = folder.run("match left.png right.png -o faint.pfm -d 12 -m fast").done();
     let told = "left.png and right.png: of 16 bits the upper 10 are never used";
     assert!(outcome.stderr.contains(told), "{}", outcome.stderr);

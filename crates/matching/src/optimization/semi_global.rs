@@ -2,8 +2,8 @@
 //!
 //! Every path adds to a pixel's cost the cheapest way to get there from the border of the image:
 //! a change of one disparity costs `P1`, a larger one `P2`, and `P2` falls where the grey value
-//! changes by more than noise does, since that is where depth may jump (Banz et al., ICCV Workshops 2011). The sum of the
-//! eight replaces the cost.
+//! changes by more than noise does, since that is where depth may jump (Banz et al., ICCV Workshops
+//! 2011). The sum of the eight replaces the cost.
 //!
 //! Four paths come from above and the left, four from below and the right, so two sweeps do all.
 //! They begin at opposite ends at the same time: until they meet in the middle each leaves what its

@@ -64,9 +64,9 @@ impl GreyBuffer {
     /// What [`GreyBuffer::with_upper_bits`] does.
     pub fn work_with_upper_bits(image: &Image) -> Work {
         let (columns, rows) = image.size();
-        let upper = match image {
-            Image::Grey8(_) | Image::Rgb8(_) => Work::default(),
-            Image::Grey16(_) | Image::Rgb16(_) => Work::bytes((2 + 1) * columns * rows),
+        let upper = match image.depth() > u8::BITS {
+            false => Work::default(),
+            true => Work::bytes((2 + 1) * columns * rows),
         };
         Self::work(image) + upper
     }

@@ -42,10 +42,7 @@ pub(super) fn grey(image: &Image) -> usize {
 
 /// Bytes per pixel that the upper bits of an image take beside its grey.
 fn upper_bits(image: &Image) -> usize {
-    match image {
-        Image::Grey8(_) | Image::Rgb8(_) => 0,
-        Image::Grey16(_) | Image::Rgb16(_) => 1,
-    }
+    usize::from(image.depth() > u8::BITS)
 }
 
 /// What the rows of images of `width` columns take while they are worked on.

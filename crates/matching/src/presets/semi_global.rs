@@ -17,14 +17,13 @@ use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
-use crate::kernels::rounding::nearest;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::{Alignment, VerticalDisparity};
 use crate::prepare::grey::GreyBuffer;
-use crate::prepare::noise::noise;
+use crate::prepare::noise::{self, noise};
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson};
 use crate::refinement::plane_fill::fill;
@@ -129,12 +128,12 @@ impl SemiGlobalMatching {
 }
 
 /// What changes of disparity cost in an image: the more noisy it is, the less its steps of grey count.
-fn penalties(ingredients: Ingredients, grey: raster::View<'_, u8>) -> Penalties {
+fn penalties(ingredients: Ingredients, grey: raster::View<'_, u8>) -> (Penalties, Work) {
     if !ingredients.has(Ingredient::AdaptiveP2) {
-        return Penalties { fall: 0, ..PENALTIES };
+        return (Penalties { fall: 0, ..PENALTIES }, Work::default());
     }
     let steps = STEPS_OF_NOISE * (noise(grey) - LITTLE_NOISE).max(0.0);
-    Penalties { noise: nearest(steps.min(255.0)) as u8, ..PENALTIES }
+    (Penalties { noise: steps.round_ties_even() as u8, ..PENALTIES }, noise::work(grey))
 }
 
 /// The part of the image that is matched to answer a box.
@@ -415,7 +414,8 @@ impl Pipeline for SemiGlobalMatching {
             (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
             made_grey = made_grey + aligned.done;
         }
-        profile.end("grey, vertical alignment", made_grey);
+        let (penalties, looked) = penalties(ingredients, grey[0]);
+        profile.end("grey, vertical alignment, noise", made_grey + looked);
         let search = Search {
             ingredients,
             level,
@@ -425,7 +425,7 @@ impl Pipeline for SemiGlobalMatching {
             width,
             range,
             numbers: FixedPoint::new(&space),
-            penalties: penalties(ingredients, grey[0]),
+            penalties,
         };
         // The answer's disparities come last: until then the right view has their memory.
         self.right.map.values = std::mem::take(&mut map.values);
@@ -529,7 +529,7 @@ mod tests {
             let mut chance = Chance(2);
             let grey =
                 Plane::from_fn(90, 60, |x, _| (90.0 + x as f32 + most * chance.share()) as u8);
-            penalties(Ingredients::of(Preset::Balanced, &[]), grey.view())
+            penalties(Ingredients::of(Preset::Balanced, &[]), grey.view()).0
         };
         assert_eq!(with_noise(0.0), PENALTIES);
         // A deviation of 3: what texture is taken for.
@@ -539,6 +539,6 @@ mod tests {
         assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
         assert_eq!(Penalties { noise: 0, ..noisy }, PENALTIES);
         let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
-        assert_eq!(penalties(without, Plane::filled(90, 60, 7).view()).fall, 0);
+        assert_eq!(penalties(without, Plane::filled(90, 60, 7).view()).0.fall, 0);
     }
 }

@@ -15,7 +15,7 @@ const FEW: u32 = 12;
 pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 2]> {
     for (path, image) in &files {
         let path = path.display();
-        if matches!(image, Image::Grey8(_) | Image::Rgb8(_)) {
+        if image.depth() < u16::BITS {
             bail!("--bits {bits} is for images of 16 bits, but {path} has 8: leave it out");
         }
         let used = image.bits_used();
@@ -30,10 +30,12 @@ pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 
 
 /// What to tell of images that leave many of 16 bits unused.
 pub fn unused(files: [(&Path, &Image); 2]) -> Option<String> {
-    let is_deep = |image: &Image| matches!(image, Image::Grey16(_) | Image::Rgb16(_));
+    if files.iter().any(|(_, image)| image.depth() < u16::BITS) {
+        return None;
+    }
     let used = files.iter().map(|(_, image)| image.bits_used()).max()?;
     let [(left, _), (right, _)] = files;
-    (files.iter().all(|(_, image)| is_deep(image)) && used <= FEW).then(|| {
+    (used <= FEW).then(|| {
         format!(
             "{} and {}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
              gives {used} bits, say --bits {used}",

@@ -164,8 +164,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
     let bounds = args.bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
     let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
-    let made_of = Inputs { left: &args.left, right: &args.right, bits: args.bits };
-    let sidecar = Sidecar::new(made_of, &outputs, &options, bounds, map, vertical, elapsed)?;
+    let inputs = Inputs { left: &args.left, right: &args.right, bits: args.bits };
+    let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
         let advice = match vertical.largest() > BADLY_RECTIFIED {
