@@ -94,6 +94,11 @@ fn few_of_16_bits_are_told_and_widened_on_request() {
     let [faint, widened] =
         ["faint.pfm", "d.pfm"].map(|name| share_at_three(&disparities(folder.path(name))));
     assert!(widened > 0.95 && widened > faint, "{faint} of the wall, then {widened}");
+
+    let folder = Folder::with_pair(64, 40);
+    remake(&folder, |_, image| Image::Grey16(image.map(|_| 0)));
+    let outcome = folder.run("match left.png right.png -o d.pfm -d 12 -m fast").done();
+    assert!(!outcome.stderr.contains("--bits"), "{}", outcome.stderr);
 }
 
 #[test]

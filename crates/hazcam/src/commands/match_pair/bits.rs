@@ -28,14 +28,14 @@ pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 
     Ok(files.map(|(_, image)| image.widened_from(bits)))
 }
 
-/// What to tell of images that leave many of 16 bits unused.
+/// What to tell of images that leave many of 16 bits unused. Of black ones there is nothing to tell.
 pub fn unused(files: [(&Path, &Image); 2]) -> Option<String> {
     if files.iter().any(|(_, image)| image.depth() < u16::BITS) {
         return None;
     }
     let used = files.iter().map(|(_, image)| image.bits_used()).max()?;
     let [(left, _), (right, _)] = files;
-    (used <= FEW).then(|| {
+    (1..=FEW).contains(&used).then(|| {
         format!(
             "{} and {}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
              gives {used} bits, say --bits {used}",
