@@ -5,7 +5,7 @@
 //!
 //! | stage | what it does |
 //! | --- | --- |
-//! | `prepare` | grey images, vertical disparity taken out, census words, descriptors: what costs are computed from |
+//! | `prepare` | grey images and their noise, vertical disparity taken out, census words, descriptors: what costs are computed from |
 //! | `cost` | how badly left `(x, y)` and right `(x - d, y)` fit, per disparity `d` |
 //! | `aggregation` | costs summed over a support region |
 //! | `optimization` | a disparity per pixel that is also smooth: paths, planes |
