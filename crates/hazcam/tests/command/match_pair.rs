@@ -71,6 +71,13 @@ fn vertical_disparity_is_mended_told_and_recorded() {
         for field in ["root_mean_square", "largest"] {
             assert!((recorded[field].as_f64().unwrap() - 2.0).abs() < 0.05, "{recorded}");
         }
+        let coefficients = &recorded["coefficients"];
+        for (field, expected) in
+            [("constant", -2.0), ("x", 0.0), ("y", 0.0), ("xy", 0.0), ("yy", 0.0)]
+        {
+            let off = coefficients[field].as_f64().unwrap() - expected;
+            assert!(off.abs() < 0.2, "{field}: {recorded}");
+        }
     }
     let folder = Folder::with_pair(200, 120);
     let outcome = folder.run("match left.png right.png -o d.pfm -d 12").done();

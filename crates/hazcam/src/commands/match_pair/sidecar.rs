@@ -38,6 +38,23 @@ pub struct Sidecar {
 struct VerticalRecord {
     root_mean_square: f64,
     largest: f64,
+    coefficients: Coefficients,
+}
+
+/// The factors of `1`, `x`, `y`, `x y` and `y^2`, as [`VerticalDisparity::coefficients`] has them.
+#[derive(Serialize)]
+struct Coefficients {
+    constant: f64,
+    x: f64,
+    y: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl From<[f64; 5]> for Coefficients {
+    fn from([constant, x, y, xy, yy]: [f64; 5]) -> Self {
+        Self { constant, x, y, xy, yy }
+    }
 }
 
 #[derive(Serialize)]
@@ -107,6 +124,7 @@ impl Sidecar {
             vertical_disparity: vertical.map(|vertical| VerticalRecord {
                 root_mean_square: vertical.root_mean_square(),
                 largest: vertical.largest(),
+                coefficients: vertical.coefficients().into(),
             }),
             reasons: shares(map, bounds),
         })

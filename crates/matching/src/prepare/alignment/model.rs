@@ -61,6 +61,12 @@ impl VerticalDisparity {
         Self::shapes(x, y).iter().zip(self.shares).map(|(shape, share)| shape * share).sum()
     }
 
+    /// What it is made of, in pixels: the factors of `1`, `x`, `y`, `x y` and `y^2`, where `x` is the
+    /// column over the number of columns and `y` the row over that of rows, both less 0.5.
+    pub fn coefficients(&self) -> [f64; 5] {
+        self.shares
+    }
+
     /// That at the first column of row `y`, and the change from column to column.
     #[inline(always)]
     pub(super) fn along_row(&self, y: usize) -> (f32, f32) {
@@ -220,6 +226,10 @@ mod tests {
         }
         assert!((model.root_mean_square() - truth().root_mean_square()).abs() < 0.02);
         assert!((model.largest() - truth().largest()).abs() < 0.08);
+        let [one, x, y, xy, yy] = model.coefficients();
+        let (right, down) = (0.25, -0.25);
+        let sum = one + x * right + y * down + xy * right * down + yy * down * down;
+        assert!((sum - model.at(750.0, 100.0)).abs() < 1e-12);
         let (first, step) = truth().along_row(100);
         assert!((f64::from(first + 700.0 * step) - truth().at(700.0, 100.0)).abs() < 1e-4);
     }
