@@ -1,0 +1,194 @@
+//! What every matcher promises of its answers, on images of any size and ranges of any kind.
+
+use matching::{Holes, Matcher, Options, Preset};
+use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Plane, Reason};
+
+/// Texture that repeats nowhere nearby.
+fn texture(x: i64, y: i64) -> u8 {
+    let v = (x * 0x9E37 + y * 0x79B9).wrapping_mul(0x2545_F491_4F6C_DD1D);
+    // Twice, or equal steps in x would be equal steps in the value.
+    ((v ^ v >> 29).wrapping_mul(0x5851_F42D_4C95_7F2D) >> 40) as u8
+}
+
+/// Two views of a wall at this disparity.
+fn wall(columns: usize, rows: usize, disparity: i64) -> [Image; 2] {
+    [0, disparity].map(|shift| {
+        Image::Grey8(Plane::from_fn(columns, rows, |x, y| texture(x as i64 + shift, y as i64)))
+    })
+}
+
+fn options(preset: Preset, range: (i32, i32)) -> Options {
+    let mut options = Options::new(preset, DisparityRange::new(range.0, range.1).unwrap());
+    options.threads = 2;
+    options
+}
+
+fn compute(
+    options: Options,
+    [left, right]: &[Image; 2],
+    bounds: Option<BoundingBox>,
+) -> DisparityMap {
+    Matcher::new(options).unwrap().compute(left, right, bounds).unwrap().clone()
+}
+
+/// Every pixel of the box has a value in the range and a reason for it, every other one has none.
+fn check_complete(preset: Preset, map: &DisparityMap, bounds: BoundingBox, range: (i32, i32)) {
+    for y in 0..map.values.rows() {
+        for x in 0..map.values.columns() {
+            let (value, reason) = (map.values.row(y)[x], map.reasons.row(y)[x]);
+            let sure = map.confidence.row(y)[x];
+            if bounds.contains(x, y) {
+                let inside = range.0 as f32 <= value && value <= range.1 as f32;
+                assert!(inside, "{value} at {x}, {y}: outside {range:?}");
+                assert!(reason.has_value(), "{reason:?} at {x}, {y}");
+                assert!((0.0..=1.0).contains(&sure), "confidence {sure} at {x}, {y}");
+                // Only where a judge has looked is anything known of what was filled.
+                let is_known = reason == Reason::Matched || preset != Preset::Fast;
+                assert!(is_known || sure == 0.0, "{preset} is sure of {reason:?}: {sure}");
+            } else {
+                assert!(value.is_nan() && reason == Reason::OutsideBox && sure == 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_size_and_range_is_answered_completely() {
+    let sizes = [(1, 1), (1, 9), (9, 1), (2, 3), (5, 5), (8, 30), (9, 9), (40, 6), (67, 33)];
+    let ranges = [(0, 0), (0, 3), (0, 63), (0, 200), (-5, 5), (-40, -8), (7, 9), (50, 300)];
+    for (columns, rows) in sizes {
+        let images = wall(columns, rows, 3);
+        let [Image::Grey8(left), Image::Grey8(right)] = &images else { unreachable!() };
+        let deep = [left, right].map(|i| Image::Grey16(i.map(|&v| u16::from(v) * 257)));
+        for (preset, range) in Preset::ALL.into_iter().flat_map(|p| ranges.map(|r| (p, r))) {
+            let map = compute(options(preset, range), &images, None);
+            check_complete(preset, &map, BoundingBox::whole(columns, rows), range);
+            let of_16_bit = compute(options(preset, range), &deep, None);
+            assert_eq!(of_16_bit.values, map.values, "{preset}, {columns} x {rows}, {range:?}");
+        }
+    }
+}
+
+#[test]
+fn a_box_is_answered_inside_and_nowhere_else() {
+    let images = wall(70, 40, 6);
+    for (x0, y0, x1, y1) in [(0, 0, 69, 39), (20, 10, 60, 30), (69, 39, 69, 39), (0, 5, 3, 5)] {
+        let bounds = BoundingBox::new(x0, y0, x1, y1).unwrap();
+        let ranges = [(0, 15), (-20, 20), (0, 200)];
+        for (preset, range) in Preset::ALL.into_iter().flat_map(|p| ranges.map(|r| (p, r))) {
+            let map = compute(options(preset, range), &images, Some(bounds));
+            check_complete(preset, &map, bounds, range);
+        }
+    }
+    // Away from its border a box is a crop of the whole to what looks at windows alone.
+    let bounds = BoundingBox::new(20, 10, 60, 30).unwrap();
+    let (whole, part) = (
+        compute(options(Preset::Fast, (0, 15)), &images, None),
+        compute(options(Preset::Fast, (0, 15)), &images, Some(bounds)),
+    );
+    for y in 12..=28 {
+        assert_eq!(whole.values.row(y)[22..=58], part.values.row(y)[22..=58], "row {y}");
+    }
+}
+
+#[test]
+fn a_wall_has_its_disparity() {
+    let disparities = [-7, 0, 1, 8, 13];
+    for (preset, disparity) in Preset::ALL.into_iter().flat_map(|p| disparities.map(|d| (p, d))) {
+        let map = compute(options(preset, (-10, 15)), &wall(90, 40, disparity), None);
+        let columns = 20..70;
+        for y in 0..40 {
+            for x in columns.clone() {
+                let error = (map.values.row(y)[x] - disparity as f32).abs();
+                assert!(error < 0.5, "{preset}, {disparity}: off by {error} at {x}, {y}");
+                assert_eq!(map.reasons.row(y)[x], Reason::Matched);
+            }
+        }
+    }
+}
+
+#[test]
+fn images_that_show_nothing_or_not_the_same_are_answered_completely() {
+    let (columns, rows) = (70, 30);
+    let flat = |grey: u8| Plane::filled(columns, rows, grey);
+    let noise = |seed: i64| {
+        Plane::from_fn(columns, rows, |x, y| texture(x as i64 + 1000 * seed, y as i64 - 500 * seed))
+    };
+    let pairs = [
+        [flat(0), flat(0)],
+        [flat(255), flat(255)],
+        [flat(0), flat(255)],
+        [flat(9), noise(1)],
+        [noise(1), flat(9)],
+        [noise(1), noise(2)],
+    ];
+    let bounds = BoundingBox::whole(columns, rows);
+    for pair in pairs {
+        let images = pair.map(Image::Grey8);
+        for (preset, range) in Preset::ALL.into_iter().flat_map(|p| [(p, (0, 31)), (p, (-9, 2))]) {
+            let map = compute(options(preset, range), &images, None);
+            check_complete(preset, &map, bounds, range);
+        }
+    }
+}
+
+#[test]
+fn the_left_strip_is_said_to_lie_outside_the_right_image() {
+    for preset in Preset::ALL {
+        let map = compute(options(preset, (0, 15)), &wall(90, 40, 12), None);
+        for y in 0..40 {
+            let strip = &map.reasons.row(y)[..11];
+            let outside = strip.iter().all(|r| *r == Reason::OutsideRightFilled);
+            assert!(outside, "{preset}, row {y}: {strip:?}");
+        }
+    }
+}
+
+#[test]
+fn a_brighter_right_image_changes_nothing() {
+    let darker =
+        |shift: i64| Plane::from_fn(80, 30, |x, y| texture(x as i64 + shift, y as i64) / 2);
+    let right = darker(5);
+    let brighter = right.map(|&v| v + 100);
+    for preset in Preset::ALL {
+        let [plain, lit] = [&right, &brighter].map(|right| {
+            let images = [darker(0), right.clone()].map(Image::Grey8);
+            compute(options(preset, (0, 15)), &images, None)
+        });
+        assert_eq!(plain, lit, "{preset}");
+    }
+}
+
+#[test]
+fn kept_holes_are_the_filled_pixels() {
+    // A near square hides part of the wall; noise below has no match.
+    let grey = |x: i64, y: i64, shift: i64| match () {
+        () if y > 30 => texture(x * 3 + shift * 1000, y),
+        () if (40..60).contains(&(x + 9 * shift)) && (5..25).contains(&y) => {
+            texture(x + 9 * shift, y + 500)
+        }
+        () => texture(x + 2 * shift, y),
+    };
+    let images = [0, 1]
+        .map(|shift| Image::Grey8(Plane::from_fn(90, 40, |x, y| grey(x as i64, y as i64, shift))));
+    for preset in Preset::ALL {
+        let filled = compute(options(preset, (0, 15)), &images, None);
+        let mut keep = options(preset, (0, 15));
+        keep.holes = Holes::Keep;
+        let kept = compute(keep, &images, None);
+        let pairs = kept.values.samples().iter().zip(filled.values.samples());
+        let reasons = kept.reasons.samples().iter().zip(filled.reasons.samples());
+        let mut holes = [0; 8];
+        for ((kept, filled), (reason, filled_reason)) in pairs.zip(reasons) {
+            holes[*reason as usize] += 1;
+            assert_eq!(reason.has_value(), !kept.is_nan());
+            assert_eq!(reason.has_value(), *filled_reason == Reason::Matched);
+            if reason.has_value() {
+                assert_eq!(kept, filled);
+            }
+        }
+        for reason in [Reason::Matched, Reason::OccludedHole, Reason::MismatchedHole] {
+            assert!(holes[reason as usize] > 20, "{preset}: {reason:?}: {holes:?}");
+        }
+    }
+}
