@@ -21,3 +21,16 @@ pub fn choices(
     let frame = Frame { left, right, bounds: BoundingBox::whole(columns, rows), range };
     Ok(presets::teach(preset, &frame, Lesson::new(pick))?.known)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fast_has_nothing_to_learn() {
+        let image = Image::Grey8(Plane::filled(9, 9, 7));
+        let range = DisparityRange::new(0, 3).unwrap();
+        let refused = choices(Preset::Fast, &image, &image, range, |_| Vec::new());
+        assert!(refused.unwrap_err().to_string().contains("balanced or best"));
+    }
+}

@@ -77,6 +77,7 @@ impl Needs {
             false => images,
             true => images + Alignment::bytes(width, height, frame.range, deep),
         };
+        let flat = if ingredients.has(Ingredient::Gradient) { 0 } else { all };
         // Census words and steps of both, the right ones between margins; descriptors, and where they
         // are asked for.
         let places = part + wide + 2 * space.lanes * lines;
@@ -112,7 +113,7 @@ impl Needs {
         };
         let choice = if choice { Choices::bytes(jury, (columns, lines), width) } else { 0 };
         let refined = filled + seen + support_weights + choice;
-        let stages = images + features + descriptors + left + prior + refined;
+        let stages = images + flat + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }

@@ -40,6 +40,13 @@ pub(crate) fn teach(
     frame: &Frame<'_>,
     lesson: Lesson,
 ) -> Result<Lesson, MatchError> {
+    if preset == Preset::Fast {
+        return Err(MatchError::Option {
+            field: "matcher",
+            value: format!("`{preset}`"),
+            allowed: "nobody judges its answers: it must be balanced or best".into(),
+        });
+    }
     let (columns, rows) = frame.size();
     let mut stages = SemiGlobalMatching::teaching(preset, Level::detect(), lesson);
     stages.run(frame, &mut DisparityMap::empty(columns, rows), &mut Profile::new())?;
