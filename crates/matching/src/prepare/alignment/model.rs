@@ -39,7 +39,7 @@ const RIDGE: f64 = 0.02;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerticalDisparity {
     size: (usize, usize),
-    shares: [f64; SHAPES],
+    coefficients: [f64; SHAPES],
 }
 
 impl VerticalDisparity {
@@ -58,13 +58,17 @@ impl VerticalDisparity {
     #[inline(always)]
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = self.place(x, y);
-        Self::shapes(x, y).iter().zip(self.shares).map(|(shape, share)| shape * share).sum()
+        Self::shapes(x, y)
+            .iter()
+            .zip(self.coefficients)
+            .map(|(shape, coefficient)| shape * coefficient)
+            .sum()
     }
 
     /// What it is made of, in pixels: the factors of `1`, `x`, `y`, `x y` and `y^2`, where `x` is the
     /// column over the number of columns and `y` the row over that of rows, both less 0.5.
     pub fn coefficients(&self) -> [f64; 5] {
-        self.shares
+        self.coefficients
     }
 
     /// That at the first column of row `y`, and the change from column to column.
@@ -101,14 +105,14 @@ impl VerticalDisparity {
         size: (usize, usize),
         residuals: &mut Vec<f64>,
     ) -> Option<Self> {
-        let mut model = Self { size, shares: [0.0; SHAPES] };
+        let mut model = Self { size, coefficients: [0.0; SHAPES] };
         residuals.clear();
         residuals.extend(found.clone().map(|one| one.down));
         if residuals.len() < AGREEING {
             return None;
         }
         // From the middle one on: a fit to all of them would follow those that are wrong.
-        model.shares[0] = *middle(residuals);
+        model.coefficients[0] = *middle(residuals);
         for _ in 0..ROUNDS {
             residuals.clear();
             residuals.extend(found.clone().map(|one| model.off(one).abs()));
@@ -150,7 +154,7 @@ impl VerticalDisparity {
         for (i, equation) in equations.iter_mut().enumerate().skip(1) {
             equation[i] += RIDGE;
         }
-        Self { shares: solved(equations), ..*self }
+        Self { coefficients: solved(equations), ..*self }
     }
 
     /// Whether enough of so many correspondences agree with it, in enough quarters of the image.
@@ -196,7 +200,7 @@ mod tests {
     const SIZE: (usize, usize) = (1000, 400);
 
     fn truth() -> VerticalDisparity {
-        VerticalDisparity { size: SIZE, shares: [0.4, -0.6, 0.3, 2.0, -0.8] }
+        VerticalDisparity { size: SIZE, coefficients: [0.4, -0.6, 0.3, 2.0, -0.8] }
     }
 
     /// Correspondences with noise, of which a part is anything.
