@@ -47,18 +47,24 @@ class Judge(nn.Module):
 
 
 def load(paths, candidates):
-    samples = np.concatenate([np.fromfile(path, "<f4") for path in paths])
     numbers = 2 + candidates * (2 + OF_EACH) + OF_PIXEL
-    if len(samples) == 0 or len(samples) % numbers:
-        raise SystemExit(f"{', '.join(map(str, paths))}: {len(samples)} numbers, but a pixel has {numbers}; write it with "
-                         "`cargo run --release -p hazcam-training`, of the same preset")
-    samples = samples.reshape(-1, numbers)
     ends = np.cumsum([1, 1, candidates, candidates, OF_EACH * candidates])
-    parts = np.split(samples, ends, axis=1)
-    truth, weight, disparities, inside, of_each, of_pixel = map(torch.from_numpy, parts)
-    of_each = of_each.half().reshape(-1, OF_EACH, candidates)
-    # A few pixels that stand for very many would make the steps rough.
-    return truth, weight[:, 0].clamp(max=4), disparities, inside > 0, of_each, of_pixel
+    loaded = []
+    for path in paths:
+        size = path.stat().st_size
+        if size == 0 or size % (4 * numbers):
+            raise SystemExit(f"{path}: {size} bytes, but a pixel has {4 * numbers}; write it with "
+                             "`cargo run --release -p hazcam-training`, of the same preset")
+        samples = np.memmap(path, "<f4", "r").reshape(-1, numbers)
+        # Some at a time: all of them as they are would take twice the memory.
+        for at in range(0, len(samples), 50_000):
+            parts = np.split(np.array(samples[at:at + 50_000]), ends, axis=1)
+            truth, weight, disparities, inside, of_each, of_pixel = map(torch.from_numpy, parts)
+            of_each = of_each.half().reshape(-1, OF_EACH, candidates)
+            # A few pixels that stand for very many would make the steps rough.
+            weight = weight[:, 0].clamp(max=4)
+            loaded.append((truth.clone(), weight, disparities.clone(), inside > 0, of_each, of_pixel.clone()))
+    return map(torch.cat, zip(*loaded))
 
 
 def main():
@@ -86,7 +92,7 @@ def main():
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * fall * min(1, (step + 1) / 200)
         batch = torch.randint(len(truth), (BATCH,))
-        scores = judge(of_each[batch].float(), of_pixel[batch]).masked_fill(~inside[batch], -40)
+        scores = judge(of_each[batch].float(), of_pixel[batch]).masked_fill(~inside[batch], -1e9)
         likely = F.log_softmax(scores, 1)
         off = error[batch]
         expected = (likely.exp() * ((off > 2) + 0.05 * off.clamp(max=20))).sum(1)

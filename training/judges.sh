@@ -1,6 +1,6 @@
 #!/bin/sh
 # Trains the judges of `balanced` and `best` and puts their weights in place. Takes half an hour of two
-# processors, and 5 GB below target/lessons, which stay if it fails; the weights are as before then.
+# processors, and 15 GB below target/lessons, which stay if it fails; the weights are as before then.
 #
 #     HAZCAM_DATA=~/stereo training/judges.sh [--without NAME..]
 #
@@ -21,6 +21,7 @@ mkdir -p $lessons
 before=$(mktemp -d)
 cp $weights/*.bin "$before"
 finish() {
+    kill $(jobs -p) 2>/dev/null || true
     [ "$1" = 0 ] || cp "$before"/*.bin $weights
     rm -r "$before"
 }
@@ -34,31 +35,39 @@ choices() {
     cargo run --quiet --release -p hazcam-training -- --preset "$preset" --out "$out" "$@"
 }
 
-# learn PRESET WEIGHTS LESSONS..: appends a judge.
+# learn PRESET WEIGHTS LESSONS..: appends a judge. Steps are small: more threads would not be faster, and
+# what is learned would depend on their number.
 learn() {
     preset=$1 to=$2
     shift 2
-    "$python" training/choice.py "$@" --preset "$preset" --weights "$to"
+    OMP_NUM_THREADS=1 "$python" training/choice.py "$@" --preset "$preset" --weights "$to"
 }
 
-: > $weights/balanced.bin
+for file in $weights/balanced.bin $weights/best.bin $lessons/balanced.bin $lessons/1.bin $lessons/2.bin $lessons/first.bin
+do
+    : > $file
+done
 choices balanced $lessons/all "$@"
-learn balanced $weights/balanced.bin $lessons/all
-rm $lessons/all
-
-: > $weights/best.bin
+learn balanced $lessons/balanced.bin $lessons/all &
+balanced=$!
 for half in 1 2; do
     choices best $lessons/$half --half $half "$@"
-    : > $lessons/$half.bin
-    learn best $lessons/$half.bin $lessons/$half
 done
-: > $lessons/first.bin
-learn best $lessons/first.bin $lessons/1 $lessons/2
+wait $balanced
+rm $lessons/all
 
-cp $lessons/2.bin $weights/best.bin
-choices best $lessons/1 --half 1 "$@"
-cp $lessons/1.bin $weights/best.bin
-choices best $lessons/2 --half 2 "$@"
+learn best $lessons/1.bin $lessons/1 &
+one=$!
+learn best $lessons/2.bin $lessons/2
+wait $one
+learn best $lessons/first.bin $lessons/1 $lessons/2 &
+first=$!
+for half in 1 2; do
+    cp $lessons/$((3 - half)).bin $weights/best.bin
+    choices best $lessons/left$half --half $half "$@"
+done
+wait $first
 cp $lessons/first.bin $weights/best.bin
-learn best $weights/best.bin $lessons/1 $lessons/2
+cp $lessons/balanced.bin $weights/balanced.bin
+learn best $weights/best.bin $lessons/left1 $lessons/left2
 rm -r $lessons

@@ -5,11 +5,13 @@
 //! cargo run --release -p hazcam-training -- --preset best --out target/choices.bin
 //! ```
 //!
-//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are and strained (light, noise, vertical offset),
-//! and rendered scenes whose seeds no measurement uses.
+//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are, as other cameras would have seen them (in a
+//! mirror, upside down, from farther away) and strained (light, noise, vertical offset), and rendered
+//! scenes whose seeds no measurement uses.
 
 mod lessons;
 mod strain;
+mod twin;
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -40,7 +42,8 @@ struct Arguments {
     /// one half. Rendered scenes belong to the first.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     half: Option<u8>,
-    /// About how many pixels of a pair; a quarter of them of a strained or rendered one.
+    /// About how many pixels of a pair and of its mirror image (twice as many where it has none),
+    /// half of them of another twin, a quarter of a strained or rendered pair.
     #[arg(long, default_value_t = 18000)]
     pixels: usize,
     /// How often each tuning scene is strained.
@@ -108,6 +111,40 @@ fn halves(ids: &[&str]) -> Vec<u8> {
     ids.iter().map(half).collect()
 }
 
+/// How much smaller twins are: by chance between two factors.
+const SMALLER: [(f64, f64); 2] = [(0.65, 0.9), (0.4, 0.65)];
+
+/// A scene and its twins: what each is called, and how much of a lesson it is worth.
+fn with_twins(
+    case: &Case,
+    data: CaseData,
+    random: &mut Random,
+) -> Result<Vec<(String, CaseData, f64)>, Failure> {
+    let mirrored = match case.files().and_then(|files| files.truth_right.as_ref()) {
+        Some(file) => {
+            let truth = formats::read_disparity(&file.path, file.encoding)?.values;
+            let known = truth.map(|&d| if d.is_finite() && d != 0.0 { d } else { f32::NAN });
+            Some((format!("{} in a mirror", case.id), twin::mirrored(&data, &known)))
+        }
+        None => None,
+    };
+    // Whoever has no mirror image would be half as often among the lessons.
+    let worth = if mirrored.is_some() { 1.0 } else { 2.0 };
+    let mut all = Vec::new();
+    for (name, data) in [(case.id.clone(), data)].into_iter().chain(mirrored) {
+        let truth = data.truth.as_ref().expect("scenes to learn from have truth");
+        let flipped = twin::upside_down(&data, truth);
+        all.push((format!("{name} upside down"), flipped, worth / 2.0));
+        for (least, most) in SMALLER {
+            let factor = random.between(least, most);
+            let smaller = twin::smaller(&data, truth, factor)?;
+            all.push((format!("{name} at {factor:.2} of its size"), smaller, worth / 2.0));
+        }
+        all.push((name, data, worth));
+    }
+    Ok(all)
+}
+
 /// Writes the samples, lesson after lesson; how many pixels they are.
 fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<usize, Failure> {
     let mut all = 0;
@@ -128,7 +165,9 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
         // The views of the moon are much alike.
         let pixels = arguments.pixels / if case.family() == "lunar" { 4 } else { 1 };
         let (data, mut random) = (case.load()?, Random::new(seed, PURPOSE));
-        add(&case.id, &data, pixels, random.clone())?;
+        for (name, data, worth) in with_twins(case, data.clone(), &mut random.clone())? {
+            add(&name, &data, (pixels as f64 * worth) as usize, random.clone())?;
+        }
         for _ in 0..arguments.strained {
             let strain = Strain::by_chance(&mut random);
             let images = strain.apply(&data.left, &data.right, &mut random);
