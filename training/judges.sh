@@ -47,11 +47,12 @@ for file in $weights/balanced.bin $weights/best.bin $lessons/balanced.bin $lesso
 do
     : > $file
 done
+# Without twins: with them it stands less noise.
 choices balanced $lessons/all "$@"
 learn balanced $lessons/balanced.bin $lessons/all &
 balanced=$!
 for half in 1 2; do
-    choices best $lessons/$half --half $half "$@"
+    choices best $lessons/$half --twins --half $half "$@"
 done
 wait $balanced
 rm $lessons/all
@@ -64,7 +65,7 @@ learn best $lessons/first.bin $lessons/1 $lessons/2 &
 first=$!
 for half in 1 2; do
     cp $lessons/$((3 - half)).bin $weights/best.bin
-    choices best $lessons/left$half --half $half "$@"
+    choices best $lessons/left$half --twins --half $half "$@"
 done
 wait $first
 cp $lessons/first.bin $weights/best.bin

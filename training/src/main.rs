@@ -5,8 +5,8 @@
 //! cargo run --release -p hazcam-training -- --preset best --out target/choices.bin
 //! ```
 //!
-//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are, as other cameras would have seen them (in a
-//! mirror, upside down, from farther away) and strained (light, noise, vertical offset), and rendered
+//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are, with `--twins` as other cameras would have seen
+//! them (in a mirror, upside down, from farther away), strained (light, noise, vertical offset), and rendered
 //! scenes whose seeds no measurement uses.
 
 mod lessons;
@@ -46,6 +46,9 @@ struct Arguments {
     /// half of them of another twin, a quarter of a strained or rendered pair.
     #[arg(long, default_value_t = 18000)]
     pixels: usize,
+    /// Scenes in a mirror, upside down and smaller too.
+    #[arg(long)]
+    twins: bool,
     /// How often each tuning scene is strained.
     #[arg(long, default_value_t = 2)]
     strained: u64,
@@ -165,7 +168,11 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
         // The views of the moon are much alike.
         let pixels = arguments.pixels / if case.family() == "lunar" { 4 } else { 1 };
         let (data, mut random) = (case.load()?, Random::new(seed, PURPOSE));
-        for (name, data, worth) in with_twins(case, data.clone(), &mut random.clone())? {
+        let pairs = match arguments.twins {
+            true => with_twins(case, data.clone(), &mut random.clone())?,
+            false => vec![(case.id.clone(), data.clone(), 1.0)],
+        };
+        for (name, data, worth) in pairs {
             add(&name, &data, (pixels as f64 * worth) as usize, random.clone())?;
         }
         for _ in 0..arguments.strained {
