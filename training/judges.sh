@@ -1,5 +1,5 @@
 #!/bin/sh
-# Trains the judges of `balanced` and `best` and puts their weights in place. Takes half an hour of two
+# Trains the judges of `balanced` and `best` and puts their weights in place. Takes 25 minutes of two
 # processors, and 15 GB below target/lessons, which stay if it fails; the weights are as before then.
 #
 #     HAZCAM_DATA=~/stereo training/judges.sh [--without NAME..]

@@ -25,6 +25,7 @@ use formats::write_atomically;
 use matching::Preset;
 use scenes::{Kind, Random, Settings};
 use strain::Strain;
+use twin::Twin;
 
 /// Writes what `choice.py` learns from.
 #[derive(Parser)]
@@ -114,40 +115,6 @@ fn halves(ids: &[&str]) -> Vec<u8> {
     ids.iter().map(half).collect()
 }
 
-/// How much smaller twins are: by chance between two factors.
-const SMALLER: [(f64, f64); 2] = [(0.65, 0.9), (0.4, 0.65)];
-
-/// A scene and its twins: what each is called, and how much of a lesson it is worth.
-fn with_twins(
-    case: &Case,
-    data: CaseData,
-    random: &mut Random,
-) -> Result<Vec<(String, CaseData, f64)>, Failure> {
-    let mirrored = match case.files().and_then(|files| files.truth_right.as_ref()) {
-        Some(file) => {
-            let truth = formats::read_disparity(&file.path, file.encoding)?.values;
-            let known = truth.map(|&d| if d.is_finite() && d != 0.0 { d } else { f32::NAN });
-            Some((format!("{} in a mirror", case.id), twin::mirrored(&data, &known)))
-        }
-        None => None,
-    };
-    // Whoever has no mirror image would be half as often among the lessons.
-    let worth = if mirrored.is_some() { 1.0 } else { 2.0 };
-    let mut all = Vec::new();
-    for (name, data) in [(case.id.clone(), data)].into_iter().chain(mirrored) {
-        let truth = data.truth.as_ref().expect("scenes to learn from have truth");
-        let flipped = twin::upside_down(&data, truth);
-        all.push((format!("{name} upside down"), flipped, worth / 2.0));
-        for (least, most) in SMALLER {
-            let factor = random.between(least, most);
-            let smaller = twin::smaller(&data, truth, factor)?;
-            all.push((format!("{name} at {factor:.2} of its size"), smaller, worth / 2.0));
-        }
-        all.push((name, data, worth));
-    }
-    Ok(all)
-}
-
 /// Writes the samples, lesson after lesson; how many pixels they are.
 fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<usize, Failure> {
     let mut all = 0;
@@ -168,11 +135,11 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
         // The views of the moon are much alike.
         let pixels = arguments.pixels / if case.family() == "lunar" { 4 } else { 1 };
         let (data, mut random) = (case.load()?, Random::new(seed, PURPOSE));
-        let pairs = match arguments.twins {
-            true => with_twins(case, data.clone(), &mut random.clone())?,
-            false => vec![(case.id.clone(), data.clone(), 1.0)],
+        let family = match arguments.twins {
+            true => twin::family(case, &data, &mut random.clone())?,
+            false => vec![Twin { name: case.id.clone(), data: data.clone(), worth: 1.0 }],
         };
-        for (name, data, worth) in pairs {
+        for Twin { name, data, worth } in family {
             add(&name, &data, (pixels as f64 * worth) as usize, random.clone())?;
         }
         for _ in 0..arguments.strained {

@@ -3,11 +3,50 @@
 //! Scenes with truth are few, and a judge comes to know them. Seen upside down, in a mirror, or from
 //! farther away, edges, holes and surfaces are new to it.
 
-use arena::dataset::CaseData;
+use std::error::Error;
+
+use arena::dataset::{Case, CaseData};
 use raster::{BoundsError, DisparityRange, Image, Plane};
+use scenes::Random;
+
+/// How much smaller twins are: by chance between two factors.
+const SMALLER: [(f64, f64); 2] = [(0.65, 0.9), (0.4, 0.65)];
+
+/// A pair with truth, what it is called, and how much of a lesson it is worth.
+pub struct Twin {
+    pub name: String,
+    pub data: CaseData,
+    pub worth: f64,
+}
+
+/// The pair of a scene and its twins.
+pub fn family(
+    case: &Case,
+    data: &CaseData,
+    random: &mut Random,
+) -> Result<Vec<Twin>, Box<dyn Error + Send + Sync>> {
+    let mirrored = case.truth_right(data)?.map(|truth| mirrored(data, &truth));
+    // Whoever has no mirror image would be half as often among the lessons.
+    let worth = if mirrored.is_some() { 1.0 } else { 2.0 };
+    let mirrored = mirrored.map(|data| (format!("{} in a mirror", case.id), data));
+    let mut family = Vec::new();
+    for (name, data) in [(case.id.clone(), data.clone())].into_iter().chain(mirrored) {
+        let truth = data.truth.as_ref().expect("scenes to learn from have truth");
+        let mut add = |how: String, data| {
+            family.push(Twin { name: format!("{name} {how}"), data, worth: worth / 2.0 });
+        };
+        add("upside down".into(), upside_down(&data, truth));
+        for (least, most) in SMALLER {
+            let factor = random.between(least, most);
+            add(format!("at {factor:.2} of its size"), smaller(&data, truth, factor)?);
+        }
+        family.push(Twin { name, data, worth });
+    }
+    Ok(family)
+}
 
 /// A pair with its truth, upside down.
-pub fn upside_down(data: &CaseData, truth: &Plane<f32>) -> CaseData {
+fn upside_down(data: &CaseData, truth: &Plane<f32>) -> CaseData {
     fn flipped(plane: &Plane<f32>) -> Plane<f32> {
         let last = plane.rows() - 1;
         Plane::from_fn(plane.columns(), plane.rows(), |x, y| plane.row(last - y)[x])
@@ -17,7 +56,7 @@ pub fn upside_down(data: &CaseData, truth: &Plane<f32>) -> CaseData {
 }
 
 /// A pair in a mirror, where the right camera is the left one; `truth` is that of the right image.
-pub fn mirrored(data: &CaseData, truth: &Plane<f32>) -> CaseData {
+fn mirrored(data: &CaseData, truth: &Plane<f32>) -> CaseData {
     fn reversed(plane: &Plane<f32>) -> Plane<f32> {
         let last = plane.columns() - 1;
         Plane::from_fn(plane.columns(), plane.rows(), |x, y| plane.row(y)[last - x])
@@ -27,7 +66,7 @@ pub fn mirrored(data: &CaseData, truth: &Plane<f32>) -> CaseData {
 }
 
 /// A pair with its truth, by a factor below 1 smaller.
-pub fn smaller(data: &CaseData, truth: &Plane<f32>, factor: f64) -> Result<CaseData, BoundsError> {
+fn smaller(data: &CaseData, truth: &Plane<f32>, factor: f64) -> Result<CaseData, BoundsError> {
     let image = |image: &Image| grey(&shrunk(&image.to_grey_f32(), factor));
     let (left, right) = (image(&data.left), image(&data.right));
     let (columns, rows) = left.size();

@@ -82,7 +82,10 @@ fn middlebury_2005_is_scaled_by_its_size_and_cross_checked() {
     }
     let cases = dataset::open(root.path()).unwrap();
     for (size, disparity) in [("ThirdSize", 4.0), ("HalfSize", 6.0), ("FullSize", 12.0)] {
-        let data = case(&cases, &format!("middlebury2005/{size}/Art")).load().unwrap();
+        let case = case(&cases, &format!("middlebury2005/{size}/Art"));
+        let data = case.load().unwrap();
+        let truth_right = case.truth_right(&data).unwrap().unwrap();
+        assert_eq!(truth_right.samples()[0], disparity);
         assert_eq!(data.truth.unwrap().samples()[0], disparity);
         assert_eq!(data.range.max(), disparity as i32);
         // The left strip is hidden from the right camera.

@@ -161,6 +161,13 @@ impl Case {
             Origin::Rendered(render) => render().map_err(DatasetError::Rendering),
         }
     }
+
+    /// True disparities of the right image of `data`, which was loaded from it, NaN = unknown; `None`
+    /// where there are none in a file.
+    pub fn truth_right(&self, data: &CaseData) -> Result<Option<Plane<f32>>, DatasetError> {
+        let file = self.files().and_then(|files| files.truth_right.as_ref());
+        file.map(|file| load::truth_right(file, data.right.size())).transpose()
+    }
 }
 
 /// Pixels that are scored apart.

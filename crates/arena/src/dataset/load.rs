@@ -11,6 +11,9 @@ use score::masks::{SAME_SURFACE, non_occluded};
 use super::case::{CaseData, CaseRegion, Files, TruthFile};
 use super::error::DatasetError;
 
+/// What the protocol calls it.
+const TRUTH_RIGHT: &str = "truth of the right view";
+
 /// Opens the files of a scene. `range` is what the data set states, if it does.
 pub(super) fn files(
     files: &Files,
@@ -69,6 +72,14 @@ fn check_size(
     Err(DatasetError::SizesDiffer { path, columns, rows, left_columns, left_rows })
 }
 
+/// The truth of a right image of so many columns and rows.
+pub(super) fn truth_right(
+    file: &TruthFile,
+    size: (usize, usize),
+) -> Result<Plane<f32>, DatasetError> {
+    read_truth(file, size, TRUTH_RIGHT, &mut Vec::new())
+}
+
 fn read_truth(
     file: &TruthFile,
     size: (usize, usize),
@@ -106,7 +117,7 @@ fn regions(
         protocol.push(format!("non-occluded where {} is 255", name(path)));
         (mask, None)
     } else if let Some(file) = &files.truth_right {
-        let right = read_truth(file, size, "truth of the right view", protocol)?;
+        let right = read_truth(file, size, TRUTH_RIGHT, protocol)?;
         protocol.push(format!(
             "non-occluded where the truths of both views agree within {SAME_SURFACE} px"
         ));

@@ -42,7 +42,7 @@ impl Known {
         reach: &Reach,
         (x, y): (usize, usize),
     ) -> Option<Self> {
-        let mut windows = [Windows::default(), Windows::default()];
+        let mut windows = scene.given.grey.map(|image| Windows::new(image.columns()));
         let compared = Compared::row(level, scene, &mut windows, y);
         known(level, scene, reach, &compared, (x, y))
     }
@@ -102,7 +102,7 @@ impl Lesson {
         pixels: &[Pixel],
         rows: &Range<usize>,
     ) {
-        let mut windows = [Windows::default(), Windows::default()];
+        let mut windows = scene.given.grey.map(|image| Windows::new(image.columns()));
         for row in pixels.chunk_by(|one, next| one.row == next.row) {
             let y = row[0].row;
             if !rows.contains(&y) {

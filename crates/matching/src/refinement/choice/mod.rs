@@ -23,6 +23,7 @@ mod strip;
 mod windows;
 
 use std::ops::Range;
+use std::sync::Mutex;
 
 use raster::Plane;
 use rayon::prelude::*;
@@ -55,10 +56,17 @@ impl Worker {
     fn bytes(width: usize) -> usize {
         size_of::<Self>() + 2 * Windows::bytes(width)
     }
+
+    /// Takes it, whether there will be rows to do or not.
+    fn reset(&mut self, width: usize) {
+        self.windows.iter_mut().for_each(|windows| windows.reset(width));
+    }
 }
 
 /// Lets the pixels of some rows of `scene` choose, into `out`; `certainty`, which arrives as 1, says how
-/// sure the judge is where there is anything to choose. Each of the `workers` does a part of the rows.
+/// sure the judge is where there is anything to choose. Each of the `workers` takes one row after the
+/// other until none is left: where a map is wrong there is more to choose, so equal parts would not be
+/// done at the same time.
 fn choose(
     level: Level,
     (reach, judge): (&Reach, &Judge),
@@ -70,23 +78,22 @@ fn choose(
 ) -> Work {
     let columns = scene.values.columns();
     let choose_row = if reach.every == 1 { choose_row::<1> } else { choose_row::<2> };
-    let height = rows.len().div_ceil(workers.len());
     let samples = rows.start * columns..rows.end * columns;
-    let certainty = certainty.samples_mut()[samples.clone()].par_chunks_mut(columns * height);
-    let bands = out.samples_mut()[samples.clone()].par_chunks_mut(columns * height).zip(certainty);
-    let chosen = bands.zip(workers).enumerate().map(|(i, ((out, certainty), worker))| {
-        let Worker { windows, block, asked, mind } = worker;
-        let lines = out.chunks_exact_mut(columns).zip(certainty.chunks_exact_mut(columns));
-        let chosen = (rows.start + i * height..).zip(lines).map(|(y, (out, certainty))| {
+    let certainty = certainty.samples_mut()[samples.clone()].chunks_exact_mut(columns);
+    let lines = out.samples_mut()[samples.clone()].chunks_exact_mut(columns).zip(certainty);
+    let lines = Mutex::new(rows.zip(lines));
+    let next = || lines.lock().expect("no worker fails while it takes a row").next();
+    let chosen = workers.par_iter_mut().map(|Worker { windows, block, asked, mind }| {
+        let mut chosen = 0;
+        while let Some((y, (out, certainty))) = next() {
             out.copy_from_slice(scene.values.row(y));
-            if !y.is_multiple_of(reach.every) {
-                return 0;
+            if y.is_multiple_of(reach.every) {
+                let compared = Compared::row(level, scene, windows, y);
+                let (judge, memory) = ((reach, judge), (&mut *block, &mut *asked, &mut *mind));
+                chosen += choose_row(level, judge, scene, &compared, y, memory, out, certainty);
             }
-            let compared = Compared::row(level, scene, windows, y);
-            let judge = (reach, judge);
-            choose_row(level, judge, scene, &compared, y, (block, asked, mind), out, certainty)
-        });
-        chosen.sum::<usize>()
+        }
+        chosen
     });
     // Values are copied. In rows that are asked, values, slopes, confidence and the right view are
     // read, the choice and its certainty written; edges are read in four ways; reasons, doubts and the
@@ -249,6 +256,7 @@ mod tests {
             let columns = self.values.columns();
             let mut planes = [0.0, 1.0].map(|value| Plane::filled(columns, ROWS, value));
             let mut workers: Vec<Worker> = (0..threads).map(|_| Worker::default()).collect();
+            workers.iter_mut().for_each(|worker| worker.reset(WIDTH));
             let given = self.given();
             let scene = self.scene(&given);
             let [out, certainty] = &mut planes;

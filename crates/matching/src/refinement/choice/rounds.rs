@@ -92,6 +92,7 @@ impl Choices {
         let Self { jury, certainty, next, strip, workers, lesson } = self;
         let reach = jury.reach;
         workers.resize_with(rayon::current_num_threads(), Default::default);
+        workers.iter_mut().for_each(|worker| worker.reset(given.grey[0].columns()));
         let ViewMap { values: other, reasons, .. } = map;
         let (columns, rows) = values.size();
         let mut done = Work::bytes(0);

@@ -116,20 +116,36 @@ impl Windows {
         (size_of::<Window>() + 6) * columns
     }
 
+    /// With the memory for rows of so many columns.
+    pub fn new(columns: usize) -> Self {
+        let mut windows = Self::default();
+        windows.reset(columns);
+        windows
+    }
+
+    /// Takes the memory for rows of so many columns.
+    pub fn reset(&mut self, columns: usize) {
+        for row in self.rows.as_flattened_mut() {
+            row.clear();
+            row.reserve_exact(columns + 2 * APART);
+            row.resize(columns + 2 * APART, 0);
+        }
+        self.windows.clear();
+        self.windows.reserve_exact(columns);
+        self.windows.resize(columns, Window::default());
+    }
+
+    /// Those of row `y` of an image as wide as the rows that there is memory for.
     pub fn compute(&mut self, level: Level, image: &Looks, y: usize) {
         let columns = image.columns();
         let near = [y.saturating_sub(APART), y, (y + APART).min(image.rows() - 1)];
         for (rows, y) in self.rows.iter_mut().zip(near) {
             for (row, part) in rows.iter_mut().zip(image.row(y)) {
-                row.clear();
-                row.reserve_exact(columns + 2 * APART);
-                row.extend_from_slice(&[part[0]; APART]);
-                row.extend_from_slice(part);
-                row.extend_from_slice(&[part[columns - 1]; APART]);
+                row[..APART].fill(part[0]);
+                row[APART..][..columns].copy_from_slice(part);
+                row[APART + columns..].fill(part[columns - 1]);
             }
         }
-        // All of them are written below.
-        self.windows.resize(columns, Window::default());
         let rows = self.rows.each_ref().map(|rows| rows.each_ref().map(|row| &row[..]));
         windows_of_row(level, rows, &mut self.windows);
     }
@@ -195,7 +211,7 @@ mod tests {
             });
             for y in [0, 3, 5] {
                 let windows = looks.each_ref().map(|looks| {
-                    let mut windows = Windows::default();
+                    let mut windows = Windows::new(looks.columns());
                     windows.compute(level, looks, y);
                     windows
                 });
