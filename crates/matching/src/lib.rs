@@ -47,6 +47,7 @@ mod presets;
 mod profile;
 mod refinement;
 mod selection;
+mod threads;
 #[doc(hidden)]
 pub mod training;
 

@@ -7,6 +7,7 @@ use crate::limits::Limits;
 use crate::presets;
 use crate::profile::{Profile, Stage};
 use crate::refinement::groups::LARGEST;
+use crate::threads;
 use crate::{Holes, MatchError, Options, VerticalDisparity};
 
 /// One pair of images with everything that is asked of it, checked: equal sizes, at least one
@@ -81,14 +82,11 @@ impl Matcher {
     /// Checks the options and prepares the stages.
     pub fn new(options: Options) -> Result<Self, MatchError> {
         options.check()?;
-        let pool =
-            rayon::ThreadPoolBuilder::new().num_threads(options.threads).build().map_err(|e| {
-                MatchError::Option {
-                    field: "threads",
-                    value: options.threads.to_string(),
-                    allowed: format!("the system could not start them ({e}); ask for fewer"),
-                }
-            })?;
+        let pool = threads::start(options.threads).map_err(|e| MatchError::Option {
+            field: "threads",
+            value: options.threads.to_string(),
+            allowed: format!("the system could not start them ({e}); ask for fewer"),
+        })?;
         let level = Level::chosen()?;
         let pipeline = presets::pipeline(&options, level);
         let (map, profile) = (DisparityMap::default(), Profile::new());
