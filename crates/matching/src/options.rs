@@ -75,8 +75,8 @@ pub struct Options {
     pub range: DisparityRange,
     /// Fill pixels without a match, or leave them.
     pub holes: Holes,
-    /// Threads to use, at least 1. The answer does not depend on it. As many as the process may use
-    /// processors keep to one of these each (Linux).
+    /// Threads to use, at least 1. The answer does not depend on it. Where there is one for every
+    /// processor that the process may use, each keeps to its own (Linux).
     pub threads: usize,
     /// The most bytes that the matcher may take for its stages and its answer; frames that need more
     /// are refused. `balanced` and `best` take more time where they have less memory, the answer
