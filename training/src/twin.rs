@@ -3,11 +3,11 @@
 //! Scenes with truth are few, and a judge comes to know them. Seen upside down, in a mirror, or from
 //! farther away, edges, holes and surfaces are new to it.
 
-use std::error::Error;
-
 use arena::dataset::{Case, CaseData};
 use raster::{BoundsError, DisparityRange, Image, Plane};
 use scenes::Random;
+
+use crate::Failure;
 
 /// How much smaller twins are: by chance between two factors.
 const SMALLER: [(f64, f64); 2] = [(0.65, 0.9), (0.4, 0.65)];
@@ -20,11 +20,7 @@ pub struct Twin {
 }
 
 /// The pair of a scene and its twins.
-pub fn family(
-    case: &Case,
-    data: &CaseData,
-    random: &mut Random,
-) -> Result<Vec<Twin>, Box<dyn Error + Send + Sync>> {
+pub fn family(case: &Case, data: &CaseData, random: &mut Random) -> Result<Vec<Twin>, Failure> {
     let mirrored = case.truth_right(data)?.map(|truth| mirrored(data, &truth));
     // Whoever has no mirror image would be half as often among the lessons.
     let worth = if mirrored.is_some() { 1.0 } else { 2.0 };
