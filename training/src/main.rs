@@ -43,8 +43,9 @@ struct Arguments {
     /// one half. Rendered scenes belong to the first.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     half: Option<u8>,
-    /// About how many pixels of a pair and of its mirror image (twice as many where it has none),
-    /// half of them of another twin, a quarter of a strained or rendered pair.
+    /// About how many pixels of a pair; a quarter of them of a strained or rendered one. With --twins as
+    /// many of its mirror image and half as many of each other twin; twice as many of all these where
+    /// there is no mirror image.
     #[arg(long, default_value_t = 18000)]
     pixels: usize,
     /// Scenes in a mirror, upside down and smaller too.
