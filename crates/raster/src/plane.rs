@@ -134,6 +134,8 @@ impl<T: Clone> Plane<T> {
         self.columns = columns;
         self.rows = rows;
         self.samples.clear();
+        // No more than is needed: planes are large, and what they take is added up beforehand.
+        self.samples.reserve_exact(columns * rows);
         self.samples.resize(columns * rows, value);
     }
 }

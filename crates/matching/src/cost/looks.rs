@@ -128,7 +128,9 @@ impl RowsWithEnds {
             let start = start - i64::from(most);
             copy_with_ends(what.other.row(row)[part], start, &mut self.other[part]);
         }
-        costs.resize(columns * disparities, 0);
+        let needed = columns * disparities;
+        costs.reserve_exact(needed.saturating_sub(costs.len()));
+        costs.resize(needed, 0);
         let [base, other] = [&self.base, &self.other].map(|parts| parts.each_ref().map(|p| &p[..]));
         costs_of_row(level, base, other, costs);
     }
