@@ -2,15 +2,15 @@
 """Trains the descriptors of `best` (crates/matching/src/prepare/descriptor) and writes their weights.
 
     pip install torch numpy pillow
-    python3 training/descriptor.py --minutes 90 --out crates/matching/src/prepare/descriptor/weights.bin
+    python3 training/descriptor.py --minutes 60 --out crates/matching/src/prepare/descriptor/weights.bin
 
 Scenes: those of $HAZCAM_DATA/scenes.json whose use is `tuning`, never the others. A pixel that both
 cameras see is told its match, and the network learns to tell it from all other disparities of the
 row: cross-entropy over disparities (Luo, Schwing & Urtasun, CVPR 2016), of the likeness of binary
-descriptors beside that of census and gradient, so that descriptors learn what these two lack. Bits
-are signs; gradients pass them as if they were tanh (Bengio, Leonard & Courville 2013). Pixels beside
-steps of disparity count four times. The cameras' exposure, gain, gamma, noise, blur and vertical
-offset are varied, independently for each.
+descriptors beside that of gradients. Bits are signs; gradients pass them as if they were tanh (Bengio,
+Leonard & Courville 2013). Pixels beside steps of disparity count four times. Scenes are seen in a mirror
+too where the right image has a truth, upside down, and from farther away. The cameras' exposure, gain,
+gamma, noise, blur and vertical offset are varied, independently for each.
 
 Takes the processors that there are. The same seed gives the same start, not the same weights: a
 stretch ends by the clock.
@@ -31,39 +31,33 @@ from PIL import Image
 from torch import nn
 
 BITS = 64
-CROP = (52, 352)
+CROP = (32, 352)
 WIDE_CROP = 448  # of scenes with large disparities
-ROWS = 14  # of a crop, that are compared
-LAYERS = "a1 a2 b1 b2 c1 c2 c3 b3 b4 b5 a3 a4 a5".split()
+ROWS = 16  # of a crop, that are compared
+SCENES = 4  # of a step
+# The truth of the right image, which lies beside that of the left one.
+TRUTH_RIGHT = {"disp1.png": "disp5.png", "disp0GT.pfm": "disp1GT.pfm", "disp0.pfm": "disp1.pfm"}
+REACH = 4  # pixels that the network sees to each side of one
 
 
 class Network(nn.Module):
-    """As `network.rs` has it: three sizes, the coarser ones added to the finer."""
+    """As `network.rs` has it: every pixel of the output sees REACH pixels to each side."""
 
     def __init__(self):
         super().__init__()
-        conv = lambda i, o, stride=1: nn.Conv2d(i, o, 3, stride, 1)
-        self.a1, self.a2 = conv(1, 16), conv(16, 16)
-        self.b1, self.b2 = conv(16, 32, 2), conv(32, 32)
-        self.c1, self.c2, self.c3 = conv(32, 48, 2), conv(48, 48), nn.Conv2d(48, 32, 1)
-        self.b3, self.b4, self.b5 = nn.Conv2d(32, 32, 1), conv(32, 32), nn.Conv2d(32, 32, 1)
-        self.a3, self.a4, self.a5 = nn.Conv2d(16, 32, 1), conv(32, 32), nn.Conv2d(32, BITS, 1)
-        # Logarithms of what the three parts of the likeness count; not needed to match.
-        begin = {"bits": 6.0, "census": 2.0, "gradient": 0.06}
+        sizes = [(1, 16, 3), (16, 16, 3), (16, 32, 3), (32, 32, 3), (32, BITS, 1)]
+        self.layers = nn.ModuleList(nn.Conv2d(*size) for size in sizes)
+        # Logarithms of what the parts of the likeness count; not needed to match.
+        begin = {"bits": 6.0, "gradient": 0.06}
         self.part = nn.ParameterDict(
             {name: nn.Parameter(torch.tensor(math.log(value))) for name, value in begin.items()}
         )
 
     def forward(self, x):
-        height, width = x.shape[-2:]
-        x = F.pad(x, (0, -width % 4, 0, -height % 4), mode="replicate")
-        twice = lambda x: F.interpolate(x, scale_factor=2, mode="bilinear")
-        a = self.a2(self.a1(x).relu()).relu()
-        b = self.b2(self.b1(a).relu()).relu()
-        c = self.c3(self.c2(self.c1(b).relu()).relu())
-        b = self.b5(self.b4((self.b3(b) + twice(c)).relu()).relu())
-        a = self.a5(self.a4((self.a3(a) + twice(b)).relu()).relu())
-        return a[..., :height, :width]
+        *layers, last = self.layers
+        for layer in layers:
+            x = layer(x).relu()
+        return last(x)
 
 
 def normalized(image):
@@ -145,24 +139,58 @@ def load(data, held_out):
             "truth": np.where(seen, truth, np.nan).astype(np.float32),
             "weight": np.where(beside_steps(truth), 4, 1).astype(np.float32),
         }
-        (held if any(name in entry["id"] for name in held_out) else scenes).append(scene)
+        if any(name in entry["id"] for name in held_out):
+            held.append(scene)
+            continue
+        scenes.append(scene)
+        file = data / entry["truth"]
+        if file.name in TRUTH_RIGHT and (right := file.with_name(TRUTH_RIGHT[file.name])).is_file():
+            scenes.append(in_a_mirror(scene, read_truth(right, entry["truth_encoding"])))
     return scenes, held
 
 
-def crop(scene, rows, columns):
-    """A part of a scene: both images, the truth, where it can be used, and its weight."""
+def in_a_mirror(scene, truth):
+    """The pair as other cameras would have seen it; `truth` is that of the right image."""
+    truth = truth[:, ::-1]
+    seen = np.zeros(truth.shape, bool)
+    for row, disparities in zip(seen, truth):
+        row[:] = seen_in_row(disparities)
+    left, right = (np.ascontiguousarray(scene[name][:, ::-1]) for name in ("right", "left"))
+    truth = np.where(seen, truth, np.nan)
+    weight = np.where(beside_steps(truth), 4, 1).astype(np.float32)
+    return {**scene, "left": left, "right": right, "truth": truth, "weight": weight}
+
+
+def crop(scene, rows, columns, factor=1.0):
+    """A part of a scene: both images, the truth, where it can be used, and its weight. It is seen
+    from farther away by a factor of at most 1."""
     height, width = scene["left"].shape
-    rows, columns = min(rows, height), min(columns, width)
+    rows, columns = (
+        min(round(size / factor), most) for size, most in ((rows, height), (columns, width))
+    )
     for _ in range(20):
         y, x = random.randint(0, height - rows), random.randint(0, width - columns)
         part = np.s_[y : y + rows, x : x + columns]
         truth = scene["truth"][part]
         usable = np.isfinite(truth) & (np.arange(columns) - truth >= 0)
-        if usable.sum() > 400:
+        if usable.sum() > 600:
             break
     images = [scene[name][part].astype(np.float32) for name in ("left", "right")]
     parts = [*images, np.nan_to_num(truth), usable, scene["weight"][part]]
-    return [torch.from_numpy(np.ascontiguousarray(part)) for part in parts]
+    parts = [torch.from_numpy(np.ascontiguousarray(part)) for part in parts]
+    return smaller(parts, factor) if factor < 1 else parts
+
+
+def smaller(parts, factor):
+    """A crop in fewer pixels: images are mixed, all else is that of the nearest one."""
+    size = [int(side * factor) for side in parts[0].shape]
+    scaled = lambda part, mode: F.interpolate(part.float()[None, None], size=size, mode=mode)[0, 0]
+    left, right = (scaled(image, "area") for image in parts[:2])
+    # By the columns that there are, which need not be the factor's.
+    truth = scaled(parts[2], "nearest-exact") * (size[1] / parts[2].shape[1])
+    usable, weight = (scaled(part, "nearest-exact") for part in parts[3:])
+    usable = (usable > 0) & (torch.arange(size[1]) - truth >= 0)
+    return [left, right, truth, usable, weight]
 
 
 # What differs between cameras
@@ -206,20 +234,6 @@ def varied(left, right, *others):
 # Likeness
 
 
-def census(image, rows):
-    """1 or -1 for each of the 32 neighbours of `prepare/census.rs`."""
-    height, width = image.shape
-    padded = F.pad(image[None, None], (3, 3, 2, 2), mode="replicate")[0, 0]
-    left_out = {(0, 0), (-2, -3), (2, 3)}
-    signs = [
-        torch.where(padded[2 + v : 2 + v + height, 3 + u : 3 + u + width] < image, 1.0, -1.0)[rows]
-        for v in range(-2, 3)
-        for u in range(-3, 4)
-        if (v, u) not in left_out
-    ]
-    return torch.stack(signs) / math.sqrt(len(signs))
-
-
 def gradient(image, rows):
     padded = F.pad(image[None, None], (1, 1, 0, 0), mode="replicate")[0, 0]
     return (padded[:, 2:] - padded[:, :-2])[rows]
@@ -229,13 +243,7 @@ def loss(network, outputs, images, truth, usable, weight, rows, most):
     """Cross-entropy over the disparities of each pixel, and the share of winners that are wrong."""
     signs = [output.sign().detach() + output.tanh() - output.tanh().detach() for output in outputs]
     part = {name: value.exp() for name, value in network.part.items()}
-    left, right = (
-        torch.cat([
-            bits * (part["bits"] / BITS).sqrt(),
-            census(image, rows) * part["census"].sqrt(),
-        ])
-        for bits, image in zip(signs, images)
-    )
+    left, right = (bits * (part["bits"] / BITS).sqrt() for bits in signs)
     # Of all columns of the left row with all of the right one.
     like = torch.bmm(left.permute(1, 2, 0), right.permute(1, 0, 2))
     steps = [gradient(image, rows) for image in images]
@@ -257,19 +265,42 @@ def loss(network, outputs, images, truth, usable, weight, rows, most):
 
 
 def step(network, scene, shape, vary):
-    left, right, truth, usable, weight = crop(scene, *shape)
+    factor = random.uniform(0.4, 1) if vary and random.random() < 0.5 else 1.0
+    parts = crop(scene, *shape, factor)
     if vary:
-        left, right, truth, usable, weight = varied(left, right, truth, usable, weight)
-    x = torch.stack([normalized(left), normalized(right)])[:, None]
+        parts = varied(*parts)
+    x = torch.stack([normalized(image) for image in parts[:2]])[:, None]
     with torch.autocast("cpu", torch.bfloat16):
         outputs = network(x.contiguous(memory_format=torch.channels_last))
+    # Of the crop's border nothing is known.
+    left, right, truth, usable, weight = (p[REACH:-REACH, REACH:-REACH] for p in parts)
+    usable = usable & (torch.arange(truth.shape[1]) - truth >= 0)
     known = usable.sum(1).float()
+    if not usable.any():
+        return step(network, scene, shape, vary)
     rows = torch.multinomial(known, min(ROWS, int((known > 0).sum())))
     outputs = outputs.float()[:, :, rows]
     images = (left, right)
     return loss(
         network, outputs, images, truth[rows], usable[rows], weight[rows], rows, scene["range"]
     )
+
+
+def read_weights(network, path):
+    """What `write_weights` wrote."""
+    numbers = np.fromfile(path, "<u2")
+    if len(numbers) != (needed := sum(p.numel() for p in network.layers.parameters())):
+        raise SystemExit(f"{path}: {len(numbers)} numbers, but the network has {needed}; "
+                         "--start takes what --out leaves")
+    numbers = (numbers.astype(np.uint32) << 16).view(np.float32)
+    for layer in network.layers:
+        out, inside, side, _ = layer.weight.shape
+        weight, numbers = np.split(numbers, [layer.weight.numel()])
+        bias, numbers = np.split(numbers, [out])
+        weight = weight.reshape(out // 16, side, side, inside, 16).transpose(0, 4, 3, 1, 2)
+        with torch.no_grad():
+            layer.weight.copy_(torch.from_numpy(weight.reshape(out, inside, side, side).copy()))
+            layer.bias.copy_(torch.from_numpy(bias.copy()))
 
 
 def write_weights(network, path):
@@ -280,8 +311,7 @@ def write_weights(network, path):
         return ((bits + 0x7FFF + (bits >> 16 & 1)) >> 16).astype("<u2").ravel()
 
     parts = []
-    for name in LAYERS:
-        layer = getattr(network, name)
+    for layer in network.layers:
         weight = layer.weight.detach().numpy()
         out, inside, side, _ = weight.shape
         groups = weight.reshape(out // 16, 16, inside, side, side)
@@ -294,28 +324,27 @@ def write_weights(network, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--data", type=Path, default=os.environ.get("HAZCAM_DATA"))
-    parser.add_argument("--minutes", type=float, default=90)
+    parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--rate", type=float, default=1.5e-3, help="the largest learning rate")
     parser.add_argument("--without", nargs="*", default=[], help="scenes to judge by: parts of ids")
-    parser.add_argument("--resume", type=Path, help="a checkpoint to go on from")
-    parser.add_argument("--checkpoint", type=Path, default=Path("target/descriptor.pt"))
-    parser.add_argument("--out", type=Path, required=True, help="where the weights go")
+    parser.add_argument("--start", type=Path, help="weights to go on from, as --out leaves them")
+    parser.add_argument("--out", type=Path, required=True,
+                        help="where the weights go, after every 500 steps too")
     arguments = parser.parse_args()
     if arguments.data is None:
         parser.error("no scenes: set HAZCAM_DATA or give --data")
-    for file in (arguments.data / "scenes.json", arguments.resume):
+    for file in (arguments.data / "scenes.json", arguments.start):
         if file is not None and not file.is_file():
             parser.error(f"{file}: no such file; --data names the folder with scenes.json, "
-                         "--resume a checkpoint")
+                         "--start weights")
     random.seed(1)
     torch.manual_seed(1)
     scenes, held = load(arguments.data, arguments.without)
     print(f"{len(scenes)} scenes to learn from, {len(held)} to judge by", flush=True)
     network = Network().to(memory_format=torch.channels_last)
-    if arguments.resume:
-        network.load_state_dict(torch.load(arguments.resume))
-    parts = list(network.part.parameters())
-    layers = [p for name, p in network.named_parameters() if not name.startswith("part.")]
+    if arguments.start:
+        read_weights(network, arguments.start)
+    layers, parts = list(network.layers.parameters()), list(network.part.parameters())
     optimizer = torch.optim.AdamW(
         [{"params": layers, "times": 1}, {"params": parts, "times": 5, "weight_decay": 0}],
         arguments.rate,
@@ -329,7 +358,7 @@ def main():
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * group["times"] * fall * min(1, steps / 100)
         optimizer.zero_grad()
-        for scene in random.choices(scenes, chances, k=2):
+        for scene in random.choices(scenes, chances, k=SCENES):
             columns = WIDE_CROP if scene["range"] > 120 else CROP[1]
             entropy, wrong = step(network, scene, (CROP[0], columns), True)
             entropy.backward()
@@ -341,10 +370,8 @@ def main():
             entropy, wrong = np.mean(record, 0)
             record = []
             print(f"{steps} steps: entropy {entropy:.3f}, wrong {wrong:.3f}", flush=True)
-        if steps % 1000 == 0:
-            arguments.checkpoint.parent.mkdir(parents=True, exist_ok=True)
-            torch.save(network.state_dict(), arguments.checkpoint)
-    torch.save(network.state_dict(), arguments.checkpoint)
+        if steps % 500 == 0:
+            write_weights(network, arguments.out)
     if held:
         with torch.no_grad():
             judged = [step(network, s, (96, 448), False) for s in held for _ in range(5)]

@@ -128,7 +128,7 @@ impl Ingredient {
             ),
             Descriptors => (
                 "descriptors",
-                "learned descriptors in the costs of pixels without a match, once the paths run again",
+                "learned descriptors in the costs, counting more for pixels that found no match",
                 "census and gradient alone",
             ),
             SurfacePrior => (
@@ -244,12 +244,9 @@ pub(crate) fn check(preset: Preset, without: &[Ingredient]) -> Result<(), MatchE
 pub(crate) struct Ingredients(u32);
 
 impl Ingredients {
-    /// What a preset is made with when some of it is left out. Descriptors speak in the runs along
-    /// surfaces only, and go with them.
+    /// What a preset is made with when some of it is left out.
     pub fn of(preset: Preset, without: &[Ingredient]) -> Self {
-        let mute = without.contains(&SurfacePrior).then_some(Descriptors);
-        let left_out = |own: &Ingredient| without.contains(own) || mute == Some(*own);
-        let used = Ingredient::of(preset).iter().filter(|own| !left_out(own));
+        let used = Ingredient::of(preset).iter().filter(|own| !without.contains(own));
         Self(used.fold(0, |set, ingredient| set | 1 << *ingredient as u16))
     }
 
@@ -281,7 +278,7 @@ mod tests {
         let set = Ingredients::of(Preset::Balanced, &[Median]);
         assert!(set.has(Gradient) && !set.has(Median) && !set.has(SurfacePrior));
         let set = Ingredients::of(Preset::Best, &[SurfacePrior]);
-        assert!(set.has(SupportWeights) && !set.has(Descriptors));
+        assert!(set.has(SupportWeights) && !set.has(SurfacePrior));
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! Census and gradient together, robust where exposures differ, sharp where objects end; and learned
-//! descriptors for pixels that these two leave in doubt.
+//! descriptors beside them, which tell more places apart.
 //!
 //! ```text
 //! C(x, y, d) = w H / 64 + min(|G_L(x, y) - G_R(x - d, y)|, 20) + v L / 64
@@ -10,8 +10,8 @@
 //! [`crate::prepare::descriptor`]). A census word does not know how large a step is, only its sign; a
 //! difference of gradients does, and looks at three columns only, so it keeps edges where a window
 //! smears them. Truncated, it cannot outvote the census where gain differs (Mei et al., ICCV
-//! Workshops 2011, mix census and absolute differences in this way). Descriptors see more of the
-//! surroundings, hence blur edges, so they speak in doubt alone ([`Weights`]).
+//! Workshops 2011, mix census and absolute differences in this way). Descriptors count less than census
+//! words where there was a match, and more where there was none ([`Weights`]).
 
 use std::ops::RangeInclusive;
 
@@ -40,8 +40,10 @@ struct Weights {
     descriptor: u16,
 }
 
-const CERTAIN: Weights = Weights::new(75, 0);
-const DOUBTFUL: Weights = Weights::new(49, 24);
+/// Without descriptors, with them, and with them where a pixel is in doubt.
+const CENSUS: Weights = Weights::new(75, 0);
+const CERTAIN: Weights = Weights::new(45, 35);
+const DOUBTFUL: Weights = Weights::new(20, 45);
 
 impl Weights {
     const fn new(census: u16, descriptor: u16) -> Self {
@@ -194,8 +196,8 @@ impl FeaturePair {
             + right_features.describe(level, right, first, Place::Mirror, network)
     }
 
-    /// The costs over the search space that the features were computed for. Where pixels are
-    /// `doubtful`, these must be with descriptors.
+    /// The costs over the search space that the features were computed for; with descriptors where it
+    /// is told which pixels are `doubtful`.
     pub fn costs<'a>(
         &'a self,
         level: Level,
@@ -233,12 +235,15 @@ at_every_level! {
             let words = &words[place..place + space.lanes];
             let steps = &steps[place..place + space.lanes];
             let (word, step) = (left_words[x], left_steps[x]);
-            if doubtful.is_some_and(|doubtful| doubtful[x]) {
-                add_up(DOUBTFUL, (word, words), (step, steps), costs);
+            let weights = match doubtful {
+                None => CENSUS,
+                Some(doubtful) if doubtful[x] => DOUBTFUL,
+                Some(_) => CERTAIN,
+            };
+            add_up(weights, (word, words), (step, steps), costs);
+            if weights.descriptor > 0 {
                 let descriptors = &right.descriptors.row(y)[place..place + space.lanes];
-                add_descriptors(DOUBTFUL, left.descriptors.row(y)[x], descriptors, costs);
-            } else {
-                add_up(CERTAIN, (word, words), (step, steps), costs);
+                add_descriptors(weights, left.descriptors.row(y)[x], descriptors, costs);
             }
             if space.count < space.lanes {
                 costs[space.count..].fill(255);
@@ -375,8 +380,11 @@ mod tests {
                 for y in 0..4 {
                     rows.fill_row(y, &mut costs);
                     for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
-                        let in_doubt = doubtful.is_some_and(|doubtful| doubtful.row(y)[x]);
-                        let weights = if in_doubt { DOUBTFUL } else { CERTAIN };
+                        let weights = match doubtful.map(|doubtful| doubtful.row(y)[x]) {
+                            None => CENSUS,
+                            Some(false) => CERTAIN,
+                            Some(true) => DOUBTFUL,
+                        };
                         let x = x + space.first;
                         for (k, &cost) in costs[..space.count].iter().enumerate() {
                             let at = x as i64 - i64::from(space.min) - k as i64;

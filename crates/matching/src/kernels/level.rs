@@ -4,8 +4,8 @@
 //! code. [`at_every_level!`] compiles such a body once per [`Level`] and gives one safe entry that
 //! takes the level as its first argument. A [`Level`] can only be had from [`Level::detect`],
 //! [`Level::available`] or [`Level::chosen`], all of which ask the processor, so holding one is
-//! proof that its instructions exist: this is the argument for the only `unsafe` of the crate, in
-//! that macro.
+//! proof that its instructions exist: this is the argument for `unsafe` in that macro, which the values
+//! in `products.rs` pass on.
 
 use std::fmt;
 use std::sync::OnceLock;
@@ -117,50 +117,55 @@ impl Level {
 }
 
 /// Defines functions whose first argument is a [`Level`] and whose body is compiled once for every
-/// level. Everything the body calls must be `#[inline(always)]` to be compiled along with it.
+/// level. Everything the body calls must be `#[inline(always)]` to be compiled along with it. A body
+/// that names something in brackets after the function's name gets the level's
+/// [`Products`](super::products::Products) by that name.
 macro_rules! at_every_level {
     ($(
         $(#[$meta:meta])*
-        $vis:vis fn $name:ident $(<$(const $g:ident : $gt:ty),+>)? ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)? $body:block
+        $vis:vis fn $name:ident $(<$(const $g:ident : $gt:ty),+>)? $([$products:ident])? ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)? $body:block
     )*) => {$(
         $(#[$meta])*
         #[allow(unsafe_code, clippy::too_many_arguments)]
         $vis fn $name $(<$(const $g: $gt),+>)? (level: $crate::kernels::level::Level, $($arg: $ty),*) $(-> $ret)? {
             #[inline(always)]
             #[allow(clippy::too_many_arguments)]
-            fn body $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? $body
+            fn body $(<$(const $g: $gt),+>)? (
+                $($products: impl $crate::kernels::products::Products,)?
+                $($arg: $ty),*
+            ) $(-> $ret)? $body
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "sse4.2,popcnt")]
             #[allow(clippy::too_many_arguments)]
             fn sse42 $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
-                body $(::<$($g),+>)? ($($arg),*)
+                body $(::<$($g),+>)? ($($crate::kernels::level::products_at!(Baseline, $products),)? $($arg),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2,bmi1,bmi2,fma,lzcnt,popcnt")]
             #[allow(clippy::too_many_arguments)]
             fn avx2 $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
-                body $(::<$($g),+>)? ($($arg),*)
+                body $(::<$($g),+>)? ($($crate::kernels::level::products_at!(Avx2, $products),)? $($arg),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2,bmi1,bmi2,fma,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vnni,avx512bitalg,avx512vpopcntdq")]
             #[allow(clippy::too_many_arguments)]
             fn avx512 $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
-                body $(::<$($g),+>)? ($($arg),*)
+                body $(::<$($g),+>)? ($($crate::kernels::level::products_at!(Avx512, $products),)? $($arg),*)
             }
 
             #[cfg(target_arch = "aarch64")]
             #[target_feature(enable = "neon")]
             #[allow(clippy::too_many_arguments)]
             fn neon $(<$(const $g: $gt),+>)? ($($arg: $ty),*) $(-> $ret)? {
-                body $(::<$($g),+>)? ($($arg),*)
+                body $(::<$($g),+>)? ($($crate::kernels::level::products_at!(Baseline, $products),)? $($arg),*)
             }
 
             // SAFETY: a `Level` exists only where the processor was asked and has its features.
             match level.set() {
-                $crate::kernels::level::Set::Scalar => body $(::<$($g),+>)? ($($arg),*),
+                $crate::kernels::level::Set::Scalar => body $(::<$($g),+>)? ($($crate::kernels::level::products_at!(Baseline, $products),)? $($arg),*),
                 #[cfg(target_arch = "x86_64")]
                 $crate::kernels::level::Set::Sse42 => unsafe { sse42 $(::<$($g),+>)? ($($arg),*) },
                 #[cfg(target_arch = "x86_64")]
@@ -174,6 +179,15 @@ macro_rules! at_every_level {
     )*};
 }
 pub(crate) use at_every_level;
+
+/// What multiplies at a level, for a body that asked for it by a name.
+macro_rules! products_at {
+    ($level:ident, $products:ident) => {
+        // SAFETY: it is made where the instructions of the level are enabled.
+        unsafe { $crate::kernels::products::$level::new() }
+    };
+}
+pub(crate) use products_at;
 
 #[cfg(test)]
 mod tests {

@@ -1,9 +1,11 @@
 //! What must be quick. One file per kernel: the scalar definition, the body that the compiler
-//! vectorises, and the test that they agree bit for bit at every level of the processor.
+//! vectorises (in one of them, the instructions themselves), and the test that they agree bit for bit at
+//! every level of the processor.
 
 pub(crate) mod aligned;
 pub mod level;
 pub(crate) mod median;
 pub(crate) mod path;
+pub(crate) mod products;
 pub(crate) mod rounding;
 pub(crate) mod sad;

@@ -157,8 +157,7 @@ impl SemiGlobalMatching {
         follow: bool,
     ) -> Work {
         let Search { ingredients, level, work, bands, .. } = search;
-        let doubtful =
-            (follow && ingredients.has(Ingredient::Descriptors)).then_some(&self.doubtful);
+        let doubtful = ingredients.has(Ingredient::Descriptors).then_some(&self.doubtful);
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
         // A range of three disparities can leave none to compare a winner with.
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;

@@ -2,11 +2,10 @@
 //!
 //! A small convolutional network is trained to tell the right match of a pixel from all others of its
 //! row (MC-CNN: Zbontar & LeCun, JMLR 2016; as a choice among disparities: Luo, Schwing & Urtasun, CVPR
-//! 2016). It looks at some 40 x 40 pixels, so it tells places apart that census words cannot: walls
-//! with little texture, roads, gloss. And it blurs edges that census words keep, which is why it is
-//! asked where they failed only (`cost/census_gradient.rs`).
+//! 2016). It looks at 9 x 9 pixels: not far, so that it keeps the edges of objects, but it tells places
+//! apart that census words of 7 x 5 pixels cannot, on walls with little texture, roads, gloss.
 //!
-//! `training/descriptor.py` made the weights (75 856 numbers), from pairs of Middlebury 2005, 2006 and
+//! `training/descriptor.py` made the weights (18 480 numbers), from pairs of Middlebury 2005, 2006 and
 //! 2014 (Scharstein & Pal 2007, Hirschmueller & Scharstein 2007, Scharstein et al. 2014), KITTI 2015
 //! (Menze & Geiger 2015), ETH3D (Schoeps et al. 2017), SceneFlow (Mayer et al. 2016) and rendered ones.
 
@@ -20,6 +19,7 @@ use rayon::prelude::*;
 use self::network::Stream;
 use self::normalized::Normalized;
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::products::Pair;
 use crate::prepare::grey::GreyView;
 use crate::profile::Work;
 
@@ -75,11 +75,11 @@ impl Descriptors {
 
 at_every_level! {
     /// A bit per channel: whether it is above zero.
-    fn signs(pixels: &[f32], words: &mut [u64]) {
-        for (word, channels) in words.iter_mut().zip(pixels.as_chunks::<64>().0) {
+    fn signs(pixels: &[Pair], words: &mut [u64]) {
+        for (word, channels) in words.iter_mut().zip(pixels.as_flattened().as_chunks::<64>().0) {
             *word = 0;
             for (i, &channel) in channels.iter().enumerate() {
-                *word |= u64::from(channel > 0.0) << i;
+                *word |= u64::from(channel > 0) << i;
             }
         }
     }

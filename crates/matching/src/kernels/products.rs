@@ -1,0 +1,268 @@
+//! Sums of products of 16-bit numbers, two at a time: what neural networks in whole numbers are made of.
+//!
+//! ```text
+//! s_l += a0 w_l0 + a1 w_l1
+//! ```
+//!
+//! for 16 sums of 32 bits and a pair of numbers that all of them share. x86 has one instruction for the
+//! two products and their sum, and with VNNI for all of it, but the compiler makes neither of plain loops
+//! in which one factor is shared. So this is the one kernel that is written out per level. Whole numbers
+//! have one right answer: all levels agree as long as nothing overflows.
+//!
+//! Samples have [`FRACTION`] bits behind the point, and weights as many as no sum can overflow with
+//! ([`Weighing`]).
+//!
+//! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
+
+use super::rounding::nearest;
+
+/// Sums that are kept together.
+pub(crate) const LANES: usize = 16;
+/// Bits of a sample behind the point: samples reach from -64 to 64.
+pub(crate) const FRACTION: u32 = 9;
+/// The smallest and the largest sample.
+pub(crate) const LEAST: i32 = i16::MIN as i32;
+const LARGEST: i32 = i16::MAX as i32;
+/// The sample that stands for 1.
+pub(crate) const ONE: f32 = (1 << FRACTION) as f32;
+
+/// The sample that stands for a number, of 16 bits; what is larger than samples can be is as good as the
+/// largest.
+#[inline(always)]
+pub(crate) fn sample(number: f32) -> i32 {
+    let scaled = number * ONE;
+    let scaled = if scaled > -32768.0 { scaled } else { -32768.0 };
+    nearest(if scaled < 32767.0 { scaled } else { 32767.0 })
+}
+
+/// Weighted sums in whole numbers: as many bits behind the point as no sum can overflow with, whatever
+/// the samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Weighing(u32);
+
+impl Weighing {
+    /// For sums with these weights, each and an offset.
+    pub fn of<W: IntoIterator<Item = f32>>(sums: impl Iterator<Item = (W, f32)>) -> Self {
+        // Samples reach to 64, so of an offset as much remains. Weights are rounded.
+        let (mut most, mut largest) = (0.0f32, 0.0f32);
+        let mut terms = 0;
+        for (weights, offset) in sums {
+            let (mut all, mut count) = (offset.abs() / 64.0, 0);
+            for weight in weights {
+                (all, count) = (all + weight.abs(), count + 1);
+                largest = largest.max(weight.abs());
+            }
+            (most, terms) = (most.max(all), terms.max(count));
+        }
+        let fits = |fraction: &u32| {
+            let one = (1 << fraction) as f32;
+            one * largest < 32766.0 && one * most + 0.5 * terms as f32 + 2.0 < 65535.0
+        };
+        Self((1..15).rev().find(fits).expect("weights are not so large"))
+    }
+
+    /// A weight, of 16 bits.
+    pub fn weight(self, number: f32) -> i32 {
+        ((1 << self.0) as f32 * number).round_ties_even() as i32
+    }
+
+    /// What is added to a sum that begins with it, and half a unit for rounding.
+    pub fn offset(self, number: f32) -> i32 {
+        self.part(number) + (1 << (self.0 - 1))
+    }
+
+    /// What is added to a sum.
+    pub fn part(self, number: f32) -> i32 {
+        ((1 << self.0) as f32 * ONE * number).round_ties_even() as i32
+    }
+
+    /// The sample that stands for a sum, but `least` if it is smaller.
+    #[inline(always)]
+    pub fn sample(self, sum: i32, least: i32) -> i32 {
+        let sum = sum >> self.0;
+        let sum = if sum > least { sum } else { least };
+        if sum < LARGEST { sum } else { LARGEST }
+    }
+
+    /// The number that 1 in a sum stands for.
+    pub fn unit(self) -> f32 {
+        1.0 / ((1 << self.0) as f32 * ONE)
+    }
+}
+
+/// Two numbers that all sums share: samples or weights.
+pub(crate) type Pair = [i16; 2];
+
+/// Two numbers of 16 bits in one of 32, the first in the lower half: those of one sum. Numbers of many
+/// sums are put together faster so than as two of 16.
+#[inline(always)]
+pub(crate) fn packed(one: i32, other: i32) -> i32 {
+    other << 16 | one & 0xFFFF
+}
+
+/// What adds pairs of products at one level.
+pub(crate) trait Products: Copy {
+    /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
+    fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
+}
+
+/// The definition, which the compiler vectorises where nothing better is written out.
+#[cfg(any(test, not(target_arch = "x86_64")))]
+#[derive(Clone, Copy)]
+pub(crate) struct Plain;
+
+#[cfg(any(test, not(target_arch = "x86_64")))]
+impl Products for Plain {
+    #[inline(always)]
+    fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
+        for (sum, &own) in sums.iter_mut().zip(own) {
+            *sum +=
+                i32::from(shared[0]) * i32::from(own as i16) + i32::from(shared[1]) * (own >> 16);
+        }
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+#[allow(unsafe_code)]
+impl Plain {
+    /// # Safety
+    ///
+    /// It needs no level; the others do.
+    pub unsafe fn new() -> Self {
+        Self
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) use self::Plain as Baseline;
+/// Every x86 of 64 bits has it.
+#[cfg(target_arch = "x86_64")]
+pub(crate) use self::x86::Sse2 as Baseline;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use self::x86::{Avx2, Avx512};
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code)]
+mod x86 {
+    use std::arch::x86_64::*;
+    use std::mem::transmute;
+
+    use super::{LANES, Pair, Products};
+
+    /// Defines a level's type, of which there is a value only where the processor has that level.
+    macro_rules! level {
+        ($name:ident, $sums:ident, $same:ident, |$sum:ident, $shared:ident, $own:ident| $add:expr) => {
+            #[derive(Clone, Copy)]
+            pub(crate) struct $name(());
+
+            impl $name {
+                /// # Safety
+                ///
+                /// The processor must have this level.
+                #[inline(always)]
+                pub unsafe fn new() -> Self {
+                    Self(())
+                }
+            }
+
+            impl Products for $name {
+                #[inline(always)]
+                fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
+                    const PARTS: usize = size_of::<[i32; LANES]>() / size_of::<$sums>();
+                    // SAFETY: whoever made `self` vouched for the instructions, and both sides of a
+                    // transmutation are plain numbers of the same size.
+                    unsafe {
+                        let mut parts: [$sums; PARTS] = transmute(*sums);
+                        let own: [$sums; PARTS] = transmute(*own);
+                        let $shared = $same(transmute::<Pair, i32>(shared));
+                        for (part, $own) in parts.iter_mut().zip(own) {
+                            let $sum = *part;
+                            *part = $add;
+                        }
+                        *sums = transmute::<[$sums; PARTS], [i32; LANES]>(parts);
+                    }
+                }
+            }
+        };
+    }
+
+    level!(Sse2, __m128i, _mm_set1_epi32, |s, a, b| _mm_add_epi32(s, _mm_madd_epi16(a, b)));
+    level!(Avx2, __m256i, _mm256_set1_epi32, |s, a, b| {
+        _mm256_add_epi32(s, _mm256_madd_epi16(a, b))
+    });
+    level!(Avx512, __m512i, _mm512_set1_epi32, |s, a, b| _mm512_dpwssd_epi32(s, a, b));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::level::{Level, at_every_level};
+
+    at_every_level! {
+        fn add_all[products](sums: &mut [i32; LANES], shared: &[Pair], own: &[[i32; LANES]]) {
+            for (shared, own) in shared.iter().zip(own) {
+                products.add(sums, *shared, own);
+            }
+        }
+    }
+
+    #[test]
+    fn sums_are_their_definition_at_every_level() {
+        let noise = |seed: usize| {
+            let mixed = (seed as u32 ^ (seed as u32 >> 7)).wrapping_mul(0x9E37_79B1);
+            (mixed >> 16) as i16
+        };
+        // The largest numbers too.
+        let extreme = |i: usize| [i16::MIN, i16::MAX, noise(i)][i % 3];
+        let shared: Vec<_> = (0..9).map(|i| [extreme(i), extreme(i + 1)]).collect();
+        let half = |seed: usize| i32::from(noise(seed)) / 2;
+        let own: Vec<[i32; LANES]> = (0..9)
+            .map(|i| std::array::from_fn(|l| packed(half(90 * i + l), half(70 * i + l))))
+            .collect();
+        let mut expected = std::array::from_fn(|l| l as i32 - 7);
+        for (shared, own) in shared.iter().zip(&own) {
+            Plain.add(&mut expected, *shared, own);
+        }
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            let mut sums = std::array::from_fn(|l| l as i32 - 7);
+            add_all(level, &mut sums, &shared, &own);
+            assert_eq!(sums, expected);
+        }
+    }
+
+    #[test]
+    fn samples_are_rounded_and_the_largest_stand_for_all_beyond() {
+        assert_eq!([0.0, 1.0, -0.5, 0.0011].map(sample), [0, 512, -256, 1]);
+        assert_eq!([64.0, 1e9, f32::INFINITY].map(sample), [LARGEST; 3]);
+        assert_eq!([-64.0, -1e9, f32::NEG_INFINITY].map(sample), [LEAST; 3]);
+    }
+
+    #[test]
+    fn no_sum_overflows_whatever_the_samples() {
+        for weight in [0.001, 0.9, 7.0, 33.0] {
+            let (weights, offset) = (vec![weight; 288], 60.0);
+            let weighing = Weighing::of([(weights.iter().copied(), offset)].into_iter());
+            for extreme in [LEAST, LARGEST] {
+                let products = 288 * i64::from(weighing.weight(weight)) * i64::from(extreme);
+                let sum = products + i64::from(weighing.offset(offset));
+                assert!(i32::try_from(sum).is_ok(), "{weight}: {sum}");
+            }
+            // A weight is off by less than a half and no more than a bit is given away.
+            let off = weighing.weight(weight) as f32 * weighing.unit() * ONE - weight;
+            assert!(off.abs() <= 0.5 * weighing.unit() * ONE);
+        }
+    }
+
+    #[test]
+    fn a_sum_becomes_a_sample() {
+        let weighing = Weighing::of([([0.5, -0.25], 1.0)].into_iter());
+        let [a, b] = [0.5, -0.25].map(|weight| weighing.weight(weight));
+        let sum = weighing.offset(1.0) + a * sample(3.0) + b * sample(8.0);
+        assert_eq!(weighing.sample(sum, 0), sample(0.5));
+        let negative = weighing.part(-1.0) + weighing.offset(0.0) - a * sample(-1.0);
+        assert_eq!(weighing.sample(negative, LEAST), sample(-0.5));
+        assert_eq!(weighing.sample(-sum, 0), 0);
+        assert!((weighing.unit() * sum as f32 - 0.5).abs() < 1e-3);
+    }
+}
