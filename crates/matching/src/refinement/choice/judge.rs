@@ -9,11 +9,13 @@
 //! [`FAR`] pixels is as bad as being off by that: of several that say nearly the same the one in the
 //! middle wins, and one that stands alone must be likely.
 //!
-//! Pixels of one row are worked on side by side. Sums are taken in the same order at every level and
-//! without fused multiply-adds: all levels give the same bits.
+//! Pixels of one row are worked on side by side, in whole numbers of 16 bits
+//! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
+//! number; it is summed in the same order everywhere and without fused multiply-adds.
 
 use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL};
 use super::reach::{MOST, Reach};
+use crate::kernels::products::{Pair, Products, Weighing, packed, sample};
 use crate::kernels::rounding::nearest;
 
 /// The most numbers that a layer has.
@@ -31,29 +33,38 @@ pub(crate) struct Layers {
     pub second: usize,
 }
 
-/// The weights of a judge.
+/// A sum for each pixel.
+type Sums = [i32; LANES];
+/// Two numbers of each pixel, [`packed`].
+type Pairs = [i32; LANES];
+
+/// The weights of a judge, those of [`TOGETHER`] sums for one pair of numbers after the other.
 pub(crate) struct Judge {
     layers: Layers,
-    /// Of each place, one for each number of the first layer.
-    places: Vec<[f32; LARGEST]>,
-    /// Weights of [`TOGETHER`] numbers of a layer, for one number of the layer before after the other.
-    of_each: Vec<[[f32; TOGETHER]; OF_EACH]>,
-    of_pixel: Vec<[[f32; TOGETHER]; OF_PIXEL]>,
-    second: Vec<[f32; TOGETHER]>,
-    second_offsets: [f32; LARGEST],
+    /// What a place adds to each sum of the first layer.
+    places: Vec<[i32; LARGEST]>,
+    of_each: Vec<[[Pair; TOGETHER]; OF_EACH / 2]>,
+    of_pixel: Vec<[[Pair; TOGETHER]; OF_PIXEL / 2]>,
+    first: Weighing,
+    weights: Vec<[Pair; TOGETHER]>,
+    offsets: [i32; LARGEST],
+    /// What a sum of the second layer adds to the score.
     last: [f32; LARGEST],
 }
 
 /// What a judge keeps in mind of pixels while it looks at their candidates.
-#[derive(Default)]
 pub(super) struct Mind {
     /// What the pixels add to the first layer.
-    own: [Lanes; LARGEST],
-    /// The first layer of a candidate.
-    numbers: [Lanes; LARGEST],
+    own: [Sums; LARGEST],
     /// Of each candidate, in the end how likely it is and how far it is expected to be off.
     scores: [Lanes; MOST],
     expected: [Lanes; MOST],
+}
+
+impl Default for Mind {
+    fn default() -> Self {
+        Self { own: [[0; LANES]; LARGEST], scores: [NONE; MOST], expected: [NONE; MOST] }
+    }
 }
 
 /// What a judge says of pixels.
@@ -70,13 +81,14 @@ impl Judge {
         first * (reach.places.len() + OF_EACH + OF_PIXEL + second) + 2 * second
     }
 
-    /// Operations on bytes for a pixel: products and sums of four bytes each, and each candidate
-    /// compared with each other one: by disparity, with four sums, and by what it costs to be wrong.
+    /// Operations on bytes for a pixel: products of two bytes each and their sums of four, and each
+    /// candidate compared with each other one: by disparity, with four sums, and by what it costs to be
+    /// wrong.
     pub fn operations(&self) -> usize {
         let Layers { first, second } = self.layers;
         let candidates = self.places.len();
-        4 * candidates
-            * (2 * (first * OF_EACH + second * first + second) + candidates * (3 + 8 + 4))
+        let products = first * OF_EACH + second * first + second;
+        candidates * ((2 + 4) * products + 4 * candidates * (3 + 8 + 4))
     }
 
     /// From its numbers: of each number of the first layer the places, then the weights of what is
@@ -86,104 +98,159 @@ impl Judge {
         let Layers { first, second } = layers;
         assert!([first, second].iter().all(|n| n.is_multiple_of(TOGETHER) && *n <= LARGEST));
         let mut numbers = numbers.into_iter();
-        let mut next = || numbers.next().expect("there is a number for every weight");
-        let mut places = vec![[0.0; LARGEST]; reach.places.len()];
-        for h in 0..first {
-            places.iter_mut().for_each(|place| place[h] = next());
+        let mut rows = |rows: usize, columns: usize| -> Vec<Vec<f32>> {
+            let mut next = || numbers.next().expect("there is a number for every weight");
+            (0..rows).map(|_| (0..columns).map(|_| next()).collect()).collect()
+        };
+        let of_places = rows(first, reach.places.len());
+        let (of_each, of_pixel) = (rows(first, OF_EACH), rows(first, OF_PIXEL));
+        let weights = rows(second, first);
+        let (offsets, last) = (rows(1, second).concat(), rows(1, second).concat());
+
+        let known = of_each.iter().zip(&of_pixel).map(|(each, pixel)| each.iter().chain(pixel));
+        let largest =
+            |row: &Vec<f32>| row.iter().fold(0.0f32, |most, number| most.max(number.abs()));
+        let places = of_places.iter().map(largest);
+        let weighing = Weighing::of(known.map(Iterator::copied).zip(places));
+        let of_second = weights.iter().map(|row| row.iter().copied()).zip(offsets.iter().copied());
+        let second = Weighing::of(of_second);
+        Self {
+            layers,
+            places: (0..reach.places.len())
+                .map(|k| filled_up(of_places.iter().map(|row| weighing.offset(row[k]))))
+                .collect(),
+            of_each: together(&of_each, weighing).into_iter().map(exactly).collect(),
+            of_pixel: together(&of_pixel, weighing).into_iter().map(exactly).collect(),
+            first: weighing,
+            weights: together(&weights, second).concat(),
+            offsets: filled_up(offsets.iter().map(|&offset| second.part(offset))),
+            last: filled_up(last.iter().map(|weight| weight * second.unit())),
         }
-        let mut of_each = vec![[[0.0; TOGETHER]; OF_EACH]; first / TOGETHER];
-        for h in 0..first {
-            of_each[h / TOGETHER].iter_mut().for_each(|w| w[h % TOGETHER] = next());
-        }
-        let mut of_pixel = vec![[[0.0; TOGETHER]; OF_PIXEL]; first / TOGETHER];
-        for h in 0..first {
-            of_pixel[h / TOGETHER].iter_mut().for_each(|w| w[h % TOGETHER] = next());
-        }
-        let mut weights = vec![[0.0; TOGETHER]; first * second / TOGETHER];
-        for h in 0..second {
-            let group = &mut weights[h / TOGETHER * first..][..first];
-            group.iter_mut().for_each(|w| w[h % TOGETHER] = next());
-        }
-        let [mut second_offsets, mut last] = [[0.0; LARGEST]; 2];
-        second_offsets[..second].fill_with(&mut next);
-        last[..second].fill_with(&mut next);
-        Self { layers, places, of_each, of_pixel, second: weights, second_offsets, last }
     }
 
     /// Looks at pixels, whatever their candidates.
     #[inline(always)]
-    pub(super) fn look(&self, of_pixel: &[Lanes; OF_PIXEL], mind: &mut Mind) {
+    pub(super) fn look(
+        &self,
+        products: impl Products,
+        of_pixel: &[Lanes; OF_PIXEL],
+        mind: &mut Mind,
+    ) {
+        let [a, b, c] = of_pixel.as_chunks().0 else { unreachable!("pixels have six numbers") };
+        let pairs = [in_pairs(a), in_pairs(b), in_pairs(c)];
         for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(&self.of_pixel) {
-            *own = weighted([NONE; TOGETHER], weights, of_pixel);
+            *own = weighted(products, [[0; LANES]; TOGETHER], weights, &pairs);
         }
     }
 
     /// Scores candidate `k`.
     #[inline(always)]
-    pub(super) fn score(&self, k: usize, hints: &Hints, mind: &mut Mind) {
-        let Layers { first, .. } = self.layers;
+    pub(super) fn score(&self, products: impl Products, k: usize, hints: &Hints, mind: &mut Mind) {
         let places = self.places[k].as_chunks().0;
-        let Mind { own, numbers, scores, .. } = mind;
-        let groups = numbers.as_chunks_mut().0.iter_mut().zip(own.as_chunks().0);
+        let [a, b, c, d, e, f, g, h, i, j] = hints.as_chunks().0 else {
+            unreachable!("candidates have twenty numbers")
+        };
+        // Written out: a loop would be taken for the one to work on together.
+        let hints = [
+            in_pairs(a),
+            in_pairs(b),
+            in_pairs(c),
+            in_pairs(d),
+            in_pairs(e),
+            in_pairs(f),
+            in_pairs(g),
+            in_pairs(h),
+            in_pairs(i),
+            in_pairs(j),
+        ];
+        let mut numbers = [[0; LANES]; LARGEST / 2];
+        let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
+        let groups = groups.zip(mind.own.as_chunks().0);
         for ((out, own), (weights, place)) in groups.zip(self.of_each.iter().zip(places)) {
-            *out = positive(weighted(offset(own, place), weights, hints));
+            let [a, b, c, d] = weighted(products, *own, weights, &hints);
+            let [of_a, of_b, of_c, of_d]: [i32; TOGETHER] = *place;
+            *out = [self.of_first((&a, of_a), (&b, of_b)), self.of_first((&c, of_c), (&d, of_d))];
         }
-        let numbers = &numbers[..first];
+        let numbers = &numbers[..self.layers.first / 2];
         let mut score = NONE;
-        let weights = self.second.chunks_exact(first);
-        let last = self.last.as_chunks::<TOGETHER>().0;
-        let ends = self.second_offsets.as_chunks().0.iter().zip(last);
-        for (weights, (offsets, last)) in weights.zip(ends) {
-            let second = offset(&[NONE; TOGETHER], offsets);
-            let second = positive(weighted(second, weights, numbers));
-            for (number, last) in second.iter().zip(last) {
+        let ends = self.offsets.as_chunks().0.iter().zip(self.last.as_chunks::<TOGETHER>().0);
+        for (weights, (offsets, last)) in self.weights.chunks_exact(numbers.len()).zip(ends) {
+            let sums = weighted(products, [[0; LANES]; TOGETHER], weights, numbers);
+            let offsets: &[i32; TOGETHER] = offsets;
+            for t in 0..TOGETHER {
                 for l in 0..LANES {
-                    score[l] += last * number[l];
+                    let sum = sums[t][l] + offsets[t];
+                    let positive = if sum > 0 { sum } else { 0 };
+                    score[l] += last[t] * positive as f32;
                 }
             }
         }
-        scores[k] = score;
+        mind.scores[k] = score;
+    }
+
+    /// Two numbers of the first layer: sums, and what is to be added.
+    #[inline(always)]
+    fn of_first(&self, (one, to_one): (&Sums, i32), (other, to_other): (&Sums, i32)) -> Pairs {
+        let mut pairs = [0; LANES];
+        for l in 0..LANES {
+            let one = self.first.sample(one[l] + to_one, 0);
+            let other = self.first.sample(other[l] + to_other, 0);
+            pairs[l] = packed(one, other);
+        }
+        pairs
     }
 }
 
+/// The weights of rows, those of [`TOGETHER`] rows for one pair of columns after the other.
+fn together(rows: &[Vec<f32>], weighing: Weighing) -> Vec<Vec<[Pair; TOGETHER]>> {
+    let group = |rows: &[Vec<f32>]| -> Vec<[Pair; TOGETHER]> {
+        let pair = |i: usize| {
+            std::array::from_fn(|t| {
+                [2 * i, 2 * i + 1].map(|column| weighing.weight(rows[t][column]) as i16)
+            })
+        };
+        (0..rows[0].len() / 2).map(pair).collect()
+    };
+    rows.chunks_exact(TOGETHER).map(group).collect()
+}
+
+fn exactly<T, const N: usize>(items: Vec<T>) -> [T; N] {
+    items.try_into().ok().expect("as many columns as are known of a candidate or pixel")
+}
+
+/// The first of an array, and nothing after them.
+fn filled_up<T: Default + Copy>(first: impl Iterator<Item = T>) -> [T; LARGEST] {
+    let mut all = [T::default(); LARGEST];
+    all.iter_mut().zip(first).for_each(|(to, from)| *to = from);
+    all
+}
+
+/// Two numbers of pixels.
 #[inline(always)]
-fn offset(sums: &[Lanes; TOGETHER], by: &[f32; TOGETHER]) -> [Lanes; TOGETHER] {
-    let mut out = *sums;
-    for t in 0..TOGETHER {
-        for l in 0..LANES {
-            out[t][l] += by[t];
-        }
+fn in_pairs([one, other]: &[Lanes; 2]) -> Pairs {
+    let mut pairs = [0; LANES];
+    for l in 0..LANES {
+        pairs[l] = packed(sample(one[l]), sample(other[l]));
     }
-    out
+    pairs
 }
 
 /// Adds weighted sums.
 #[inline(always)]
 fn weighted(
-    sums: [Lanes; TOGETHER],
-    weights: &[[f32; TOGETHER]],
-    from: &[Lanes],
-) -> [Lanes; TOGETHER] {
+    products: impl Products,
+    sums: [Sums; TOGETHER],
+    weights: &[[Pair; TOGETHER]],
+    from: &[Pairs],
+) -> [Sums; TOGETHER] {
     let [mut a, mut b, mut c, mut d] = sums;
     for (weights, from) in weights.iter().zip(from) {
-        for l in 0..LANES {
-            a[l] += weights[0] * from[l];
-            b[l] += weights[1] * from[l];
-            c[l] += weights[2] * from[l];
-            d[l] += weights[3] * from[l];
-        }
+        products.add(&mut a, weights[0], from);
+        products.add(&mut b, weights[1], from);
+        products.add(&mut c, weights[2], from);
+        products.add(&mut d, weights[3], from);
     }
     [a, b, c, d]
-}
-
-#[inline(always)]
-fn positive(mut sums: [Lanes; TOGETHER]) -> [Lanes; TOGETHER] {
-    for sum in &mut sums {
-        for l in 0..LANES {
-            sum[l] = if sum[l] > 0.0 { sum[l] } else { 0.0 };
-        }
-    }
-    sums
 }
 
 /// The candidate that is expected to be off by the least, by the scores of all.
@@ -267,14 +334,14 @@ mod tests {
     use crate::refinement::choice::reach::{NARROW, WIDE};
 
     const SHAPES: [(&Reach, Layers); 2] =
-        [(&NARROW, Layers { first: 8, second: 4 }), (&WIDE, Layers { first: 32, second: 16 })];
+        [(&NARROW, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
 
     at_every_level! {
-        fn judge_block(judge: &Judge, block: &Block, hints: &[Hints]) -> Verdict {
+        fn judge_block[products](judge: &Judge, block: &Block, hints: &[Hints]) -> Verdict {
             let mut mind = Mind::default();
-            judge.look(&block.of_pixel, &mut mind);
+            judge.look(products, &block.of_pixel, &mut mind);
             for (k, hints) in hints.iter().enumerate() {
-                judge.score(k, hints, &mut mind);
+                judge.score(products, k, hints, &mut mind);
             }
             verdict(block, &mut mind)
         }
@@ -355,9 +422,9 @@ mod tests {
                 let least = inside.map(|k| expected[k]).fold(f64::INFINITY, f64::min);
                 let chosen = |k: &usize| block.disparities[*k][l] == first.disparity[l];
                 let chosen = (0..expected.len()).find(chosen).unwrap();
-                assert!(block.inside[chosen][l] > 0.0 && expected[chosen] < least + 1e-4);
+                assert!(block.inside[chosen][l] > 0.0 && expected[chosen] < least + 0.02);
                 let sure = 1.0 - least / f64::from(FAR);
-                assert!((f64::from(first.certainty[l]) - sure).abs() < 1e-4);
+                assert!((f64::from(first.certainty[l]) - sure).abs() < 0.02);
             }
             for level in Level::available() {
                 eprintln!("level {}", level.name());

@@ -38,6 +38,7 @@ use self::reach::Reach;
 pub(crate) use self::rounds::Choices;
 use self::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::products::Products;
 use crate::profile::Work;
 
 /// The memory of what is done row by row.
@@ -105,7 +106,7 @@ fn choose(
 
 at_every_level! {
     /// Lets every so many-th pixel of row `y` choose; how many had a choice.
-    fn choose_row<const EVERY: usize>(
+    fn choose_row<const EVERY: usize>[products](
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
@@ -129,7 +130,7 @@ at_every_level! {
                 // Few of a block have a choice: they wait until there is a full block of them.
                 let enough = waiting == LANES || (last && l + 1 == LANES);
                 if waiting > 0 && enough {
-                    decide(judge, scene.given, compared, asked, mind, waiting, out, certainty);
+                    decide(products, judge, scene.given, compared, asked, mind, waiting, out, certainty);
                     chosen += waiting;
                     waiting = 0;
                 }
@@ -142,6 +143,7 @@ at_every_level! {
 /// Lets the first of `asked` choose; the others are of no interest.
 #[inline(always)]
 fn decide(
+    products: impl Products,
     judge: &Judge,
     given: &Given<'_>,
     compared: &Compared<'_>,
@@ -152,9 +154,9 @@ fn decide(
     certainty: &mut [f32],
 ) {
     asked.compare(count, given, compared);
-    judge.look(&asked.of_pixel, mind);
+    judge.look(products, &asked.of_pixel, mind);
     for k in 0..asked.candidates() {
-        judge.score(k, &asked.hints(given, compared, k), mind);
+        judge.score(products, k, &asked.hints(given, compared, k), mind);
     }
     let verdict = verdict(asked, mind);
     for l in 0..count {
@@ -318,7 +320,7 @@ mod tests {
     fn every_level_and_number_of_threads_chooses_the_same() {
         let mut chance = Chance(9);
         let shapes =
-            [(&NARROW, Layers { first: 8, second: 4 }), (&WIDE, Layers { first: 32, second: 16 })];
+            [(&NARROW, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
         let judges = shapes.map(|(reach, layers)| {
             let numbers: Vec<f32> =
                 (0..Judge::numbers(reach, layers)).map(|_| chance.share() - 0.5).collect();
@@ -351,7 +353,7 @@ mod tests {
     #[test]
     fn every_second_pixel_is_asked_as_if_all_were() {
         let mut chance = Chance(4);
-        let layers = Layers { first: 8, second: 4 };
+        let layers = Layers { first: 16, second: 8 };
         let numbers: Vec<f32> =
             (0..Judge::numbers(&NARROW, layers)).map(|_| chance.share() - 0.5).collect();
         let judge = Judge::new(&NARROW, layers, numbers);
