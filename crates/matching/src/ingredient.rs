@@ -278,7 +278,7 @@ mod tests {
         let set = Ingredients::of(Preset::Balanced, &[Median]);
         assert!(set.has(Gradient) && !set.has(Median) && !set.has(SurfacePrior));
         let set = Ingredients::of(Preset::Best, &[SurfacePrior]);
-        assert!(set.has(SupportWeights) && !set.has(SurfacePrior));
+        assert!(set.has(SupportWeights) && set.has(Descriptors) && !set.has(SurfacePrior));
     }
 
     #[test]

@@ -10,8 +10,8 @@
 //! [`crate::prepare::descriptor`]). A census word does not know how large a step is, only its sign; a
 //! difference of gradients does, and looks at three columns only, so it keeps edges where a window
 //! smears them. Truncated, it cannot outvote the census where gain differs (Mei et al., ICCV
-//! Workshops 2011, mix census and absolute differences in this way). Descriptors count less than census
-//! words where there was a match, and more where there was none ([`Weights`]).
+//! Workshops 2011, mix census and absolute differences in this way). Descriptors count nearly as
+//! much as both together, and more where there was no match ([`Weights`]).
 
 use std::ops::RangeInclusive;
 
