@@ -6,9 +6,10 @@
 #
 # from the project's root. What it is given goes on to the program that writes lessons: --without keeps scenes out.
 #
-# The second judge of `best` learns from what the first one left. On pairs that the first one had among
-# its own lessons it leaves less than it will elsewhere, so these lessons come from judges that were
-# taught on the other half of the scenes (cross-fitting).
+# Every preset has two judges: the second learns from what the first one left. On pairs that the first one
+# had among its own lessons it leaves less than it will elsewhere, so in `best` these lessons come from
+# judges that were taught on the other half of the scenes (cross-fitting). As the second one is asked again
+# and again, it learns there from what is left after all of that too.
 #
 # Needs PyTorch and numpy; PYTHON names the interpreter.
 set -eu
@@ -43,11 +44,13 @@ learn() {
     OMP_NUM_THREADS=1 "$python" training/choice.py "$@" --preset "$preset" --weights "$to"
 }
 
-for file in $weights/balanced.bin $weights/best.bin $lessons/balanced.bin $lessons/1.bin $lessons/2.bin $lessons/first.bin
-do
-    : > $file
+: > $weights/balanced.bin
+: > $weights/best.bin
+for name in balanced first 1 2; do
+    : > $lessons/$name.bin
 done
-# Without twins: with them it stands less noise.
+
+# `balanced`. Without twins: with them it stands less noise.
 choices balanced $lessons/all "$@"
 learn balanced $lessons/balanced.bin $lessons/all &
 balanced=$!
@@ -56,19 +59,37 @@ for half in 1 2; do
 done
 wait $balanced
 rm $lessons/all
+cp $lessons/balanced.bin $weights/balanced.bin
+choices balanced $lessons/left "$@"
+learn balanced $weights/balanced.bin $lessons/left &
+balanced=$!
 
-learn best $lessons/1.bin $lessons/1 &
-one=$!
-learn best $lessons/2.bin $lessons/2
-wait $one
+# `best`: the first judge, and those of either half.
+learn best $lessons/1.bin $lessons/1
+learn best $lessons/2.bin $lessons/2 &
+two=$!
+wait $balanced
+rm $lessons/left
 learn best $lessons/first.bin $lessons/1 $lessons/2 &
 first=$!
+wait $two
+other() { echo $((3 - $1)); }
 for half in 1 2; do
-    cp $lessons/$((3 - half)).bin $weights/best.bin
+    cp $lessons/$(other $half).bin $weights/best.bin
     choices best $lessons/left$half --twins --half $half "$@"
 done
 wait $first
+rm $lessons/1 $lessons/2
+
+# What these leave, and what is left when they have been asked again and again.
+learn best $lessons/1.bin $lessons/left1 &
+one=$!
+learn best $lessons/2.bin $lessons/left2
+wait $one
+for half in 1 2; do
+    cp $lessons/$(other $half).bin $weights/best.bin
+    choices best $lessons/last$half --twins --half $half "$@"
+done
 cp $lessons/first.bin $weights/best.bin
-cp $lessons/balanced.bin $weights/balanced.bin
-learn best $weights/best.bin $lessons/left1 $lessons/left2
+learn best $weights/best.bin $lessons/left1 $lessons/left2 $lessons/last1 $lessons/last2
 rm -r $lessons

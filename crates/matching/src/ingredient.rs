@@ -39,8 +39,8 @@ pub enum Ingredient {
     PlaneFill,
     /// Planes from the neighbourhood, chosen by learned judges.
     LearnedChoice,
-    /// The last round of choices.
-    LastChoice,
+    /// All rounds of choices but the first.
+    FurtherChoices,
     /// The median of 5 x 5 pixels.
     Median,
     /// Confidence by the margin of the paths' sums.
@@ -50,7 +50,7 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// Both presets have these, in the order of the stages.
-const BALANCED: [Ingredient; 12] = [
+const BALANCED: [Ingredient; 13] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
@@ -61,6 +61,7 @@ const BALANCED: [Ingredient; 12] = [
     Interpolation,
     PlaneFill,
     LearnedChoice,
+    FurtherChoices,
     Median,
     PathMargin,
 ];
@@ -81,7 +82,7 @@ const BEST: [Ingredient; 18] = [
     Interpolation,
     PlaneFill,
     LearnedChoice,
-    LastChoice,
+    FurtherChoices,
     Median,
     PathMargin,
 ];
@@ -186,10 +187,10 @@ impl Ingredient {
                 "pixels take one of 16 planes around them (in best 32), chosen by a learned judge",
                 "the filled map as it is",
             ),
-            LastChoice => (
-                "last-choice",
-                "a last round of choices, by a judge that was taught after the others",
-                "one round less",
+            FurtherChoices => (
+                "further-choices",
+                "more rounds of choices, by a judge that was taught after the first: two, in best five",
+                "one round",
             ),
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             PathMargin => (

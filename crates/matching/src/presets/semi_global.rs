@@ -25,7 +25,7 @@ use crate::prepare::alignment::{Alignment, VerticalDisparity};
 use crate::prepare::grey::GreyBuffer;
 use crate::prepare::noise::{self, noise};
 use crate::profile::{Profile, Work};
-use crate::refinement::choice::{Choices, Given, Jury, Lesson};
+use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::plane_fill::fill;
 use crate::refinement::slopes::Slopes;
 use crate::selection::both_views::Selection;
@@ -298,20 +298,23 @@ impl SemiGlobalMatching {
         };
         let before = raster::View::new(columns.len(), work.rows(), width, &confidence[work.x0..])
             .expect("the part lies in the image");
-        let with_last = ingredients.has(Ingredient::LastChoice);
-        let done = self.choices.run(level, with_last, &given, before, filled, map);
+        let further = ingredients.has(Ingredient::FurtherChoices);
+        let done = self.choices.run(level, further, &given, before, filled, map);
         if ingredients.has(Ingredient::PathMargin) {
             let certainty = self.choices.certainty().chunks_exact(columns.len());
             let told = certainty.zip(map.reasons.samples().chunks_exact(columns.len()));
             for (to, (certainty, reasons)) in confidence.chunks_exact_mut(width).zip(told) {
                 let to = to[columns.clone()].iter_mut();
-                for ((to, certainty), reason) in to.zip(certainty).zip(reasons) {
-                    *to = if *reason == Reason::Matched { *to * certainty } else { *certainty };
+                for ((to, &certainty), reason) in to.zip(certainty).zip(reasons) {
+                    let certainty = certainty::share(certainty);
+                    *to = if *reason == Reason::Matched { *to * certainty } else { certainty };
                 }
             }
         }
         // Confidence is multiplied by the certainty where there is a match.
-        done + Work::bytes(3 * size_of_val(filled.samples()) + size_of_val(map.reasons.samples()))
+        done + Work::bytes(
+            2 * size_of_val(filled.samples()) + 2 * size_of_val(map.reasons.samples()),
+        )
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.

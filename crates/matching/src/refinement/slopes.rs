@@ -1,6 +1,8 @@
 //! The slopes of a disparity map: medians of differences over four pixels, in a 5 x 5 window, clamped
 //! to 1/2. Beside an edge most of the window lies on one side.
 //!
+//! Medians are found among whole numbers of 16 bits, steps of 1/32768: twice as many at once as with floats.
+//!
 //! In: finite values. Beside an end of the map the nearest differences that do not reach beyond it
 //! are repeated; a map of fewer than five columns or rows is flat that way.
 
@@ -11,10 +13,13 @@ use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::{self, BLOCK, medians_of_block};
+use crate::kernels::rounding::nearest;
 use crate::profile::Work;
 
 /// Surfaces steeper than this do not count as such.
 const STEEPEST: f32 = 0.5;
+/// Steps per unit.
+const STEPS: f32 = 32768.0;
 
 /// The slopes of a map, or of some of its rows: changes per column and per row.
 #[derive(Default)]
@@ -38,9 +43,8 @@ impl Slopes {
         slopes.for_each(|(i, (along, down))| {
             slopes_of_row(level, values, rows.start + i, along, down);
         });
-        // Two medians of numbers of 32 bits, not 16.
         let pixels = columns * rows.len();
-        Work::bytes(3 * 4 * pixels) + Work::operations(2 * 2 * median::OPERATIONS) * pixels
+        Work::bytes(3 * 4 * pixels) + Work::operations(2 * median::OPERATIONS) * pixels
     }
 }
 
@@ -53,18 +57,27 @@ at_every_level! {
             for (slopes, differences) in [(&mut *along, wide), (&mut *down, high)] {
                 let medians = medians_of_block(differences);
                 for (slope, median) in slopes[x..x + size].iter_mut().zip(medians) {
-                    *slope = median.clamp(-STEEPEST, STEEPEST);
+                    *slope = f32::from(median) * (1.0 / STEPS);
                 }
             }
         }
     }
 }
 
-/// The differences along and down the map in the windows of so many pixels from `(x, y)` on.
+/// The slope over four pixels, clamped, which does not change which of several is the median.
 #[inline(always)]
-fn differences(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median::Rows<f32>; 2] {
+fn slope(difference: f32) -> i16 {
+    let slope = 0.25 * difference;
+    let slope = if slope < STEEPEST { slope } else { STEEPEST };
+    let slope = if slope > -STEEPEST { slope } else { -STEEPEST };
+    nearest(slope * STEPS) as i16
+}
+
+/// The slopes along and down the map in the windows of so many pixels from `(x, y)` on.
+#[inline(always)]
+fn differences(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median::Rows<i16>; 2] {
     let (columns, rows) = values.size();
-    let [mut wide, mut high] = [[[0.0; BLOCK + 4]; 5]; 2];
+    let [mut wide, mut high] = [[[0; BLOCK + 4]; 5]; 2];
     let inner = x >= 4 && x + BLOCK + 4 <= columns;
     for j in 0..5 {
         let v = (y + j).saturating_sub(2).min(rows - 1);
@@ -77,16 +90,16 @@ fn differences(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median:
         if inner {
             let [above, here, below] = [above, here, below].map(|row| &row[x - 4..][..BLOCK + 8]);
             for i in 0..BLOCK + 4 {
-                wide[j][i] = 0.25 * (here[i + 4] - here[i]);
-                high[j][i] = 0.25 * (below[i + 2] - above[i + 2]);
+                wide[j][i] = slope(here[i + 4] - here[i]);
+                high[j][i] = slope(below[i + 2] - above[i + 2]);
             }
         } else {
             for i in 0..size + 4 {
                 let u = (x + i).saturating_sub(2).min(columns - 1);
                 if let Some(u) = middle(u, columns) {
-                    wide[j][i] = 0.25 * (here[u + 2] - here[u - 2]);
+                    wide[j][i] = slope(here[u + 2] - here[u - 2]);
                 }
-                high[j][i] = 0.25 * (below[u] - above[u]);
+                high[j][i] = slope(below[u] - above[u]);
             }
         }
     }
@@ -114,7 +127,7 @@ mod tests {
             let pixels = window(y, rows).flat_map(|v| window(x, columns).map(move |u| (u, v)));
             let mut all: Vec<f32> = pixels.map(|(u, v)| difference(u, v)).collect();
             all.sort_by(f32::total_cmp);
-            all[12].clamp(-0.5, 0.5)
+            (all[12].clamp(-0.5, 0.5) * 32768.0).round_ties_even() / 32768.0
         };
         let along = |u: usize, v: usize| match columns {
             0..5 => 0.0,

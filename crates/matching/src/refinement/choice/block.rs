@@ -6,6 +6,7 @@
 
 use raster::{Plane, Reason, View};
 
+use super::certainty;
 use super::reach::{MOST, Place, Reach};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
@@ -59,7 +60,8 @@ pub(crate) struct Given<'a> {
 pub(crate) struct Scene<'a> {
     pub values: &'a Plane<f32>,
     pub reasons: &'a Plane<Reason>,
-    pub confidence: View<'a, f32>,
+    /// How sure pixels are, in bytes.
+    pub certainty: &'a Plane<u8>,
     /// Around the rows that are worked on.
     pub strip: &'a Strip,
     pub given: &'a Given<'a>,
@@ -138,12 +140,14 @@ impl Block {
         self.places.len()
     }
 
-    /// Finds the candidates of every so many-th pixel from `(x, y)` on; says whether any has a choice.
+    /// Finds the candidates of every so many-th pixel from `(x, y)` on; says whether any that is marked has
+    /// a choice.
     #[inline(always)]
     pub fn find<const EVERY: usize>(
         &mut self,
         scene: &Scene<'_>,
         reach: &Reach,
+        marked: [bool; LANES],
         x: usize,
         y: usize,
     ) -> bool {
@@ -151,6 +155,9 @@ impl Block {
         self.open = [false; LANES];
         for l in 0..LANES {
             self.columns[l] = x + EVERY * l;
+        }
+        if marked == [false; LANES] {
+            return false;
         }
         let (columns, rows) = scene.values.size();
         let (least, most) = (scene.given.least, scene.given.most);
@@ -196,7 +203,8 @@ impl Block {
         let mut any = false;
         for l in 0..LANES {
             let is_one = self.columns[l] < columns;
-            let open = is_one & undecided[l] & (largest[l] - smallest[l] > reach.choice);
+            let open =
+                is_one & marked[l] & undecided[l] & (largest[l] - smallest[l] > reach.choice);
             self.open[l] = open;
             any |= open;
         }
@@ -217,7 +225,7 @@ impl Block {
             let grey = run::<_, EVERY>(strip.base.grey_row(strip.row(v)), given.first as i64 + u);
             let sums_here = run::<_, EVERY>(strip.edges.row(place.way, strip.row(y)), x as i64);
             let sums = run::<_, EVERY>(strip.edges.row(place.way, strip.row(v)), u);
-            self.confidence[k] = run::<_, EVERY>(scene.confidence.row(v), u);
+            self.confidence[k] = run::<_, EVERY>(scene.certainty.row(v), u).map(certainty::share);
             self.doubt[k] = doubt::<EVERY>(given, u, v);
             for l in 0..LANES {
                 self.filled[k][l] = share(reasons[l] != Reason::Matched);
@@ -408,7 +416,7 @@ fn share(is: bool) -> f32 {
 
 /// Every so many-th sample of a row from `start` on; beyond its ends the row is repeated.
 #[inline(always)]
-fn run<T: Copy, const EVERY: usize>(row: &[T], start: i64) -> [T; LANES] {
+pub(super) fn run<T: Copy, const EVERY: usize>(row: &[T], start: i64) -> [T; LANES] {
     let all = const { EVERY * LANES };
     match row.get(start as usize..).and_then(|row| row.get(..all)) {
         Some(run) => std::array::from_fn(|l| run[EVERY * l]),

@@ -1,4 +1,4 @@
-//! The judges of a preset: one for each round of choices.
+//! The judges of a preset, and how often they are asked.
 
 use std::sync::LazyLock;
 
@@ -10,19 +10,21 @@ use crate::Preset;
 pub(crate) struct Jury {
     pub reach: &'static Reach,
     judges: Vec<Judge>,
+    /// Where there are several, how often the last one is asked again.
+    again: usize,
 }
 
 static BALANCED: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&NARROW, Layers { first: 16, second: 8 }, include_bytes!("balanced.bin"))
+    Jury::new(&NARROW, Layers { first: 16, second: 8 }, include_bytes!("balanced.bin"), 1)
 });
 static BEST: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&WIDE, Layers { first: 32, second: 16 }, include_bytes!("best.bin"))
+    Jury::new(&WIDE, Layers { first: 32, second: 16 }, include_bytes!("best.bin"), 4)
 });
 
 impl Jury {
     /// From the weights of the judges one after the other, 32-bit floats in the order of
     /// [`Judge::new`]. `training/choice.py` makes them.
-    fn new(reach: &'static Reach, layers: Layers, trained: &[u8]) -> Self {
+    fn new(reach: &'static Reach, layers: Layers, trained: &[u8], again: usize) -> Self {
         let (numbers, rest) = trained.as_chunks();
         let judges = numbers.chunks_exact(Judge::numbers(reach, layers));
         let whole = rest.is_empty() && judges.remainder().is_empty();
@@ -30,7 +32,7 @@ impl Jury {
         let judge = |numbers: &[[u8; 4]]| {
             Judge::new(reach, layers, numbers.iter().copied().map(f32::from_le_bytes))
         };
-        Self { reach, judges: judges.map(judge).collect() }
+        Self { reach, judges: judges.map(judge).collect(), again }
     }
 
     /// That of `balanced`, or else that of `best`.
@@ -41,10 +43,11 @@ impl Jury {
         }
     }
 
-    /// The judges, with or without those after the first.
-    pub fn judges(&self, with_last: bool) -> &[Judge] {
-        let judges = if with_last { self.judges.len() } else { self.judges.len().min(1) };
-        &self.judges[..judges]
+    /// Who is asked in each round, or in the first one alone.
+    pub fn rounds(&self, further: bool) -> impl Iterator<Item = &Judge> {
+        let again = if self.judges.len() > 1 { self.again } else { 0 };
+        let last = std::iter::repeat_n(self.judges.last(), again).flatten();
+        self.judges.iter().chain(last).take(if further { usize::MAX } else { 1 })
     }
 }
 
@@ -53,8 +56,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_round_has_its_judge() {
-        let rounds = [Preset::Balanced, Preset::Best].map(|p| Jury::of(p).judges(true).len());
-        assert_eq!(rounds, [1, 2], "the files of weights are not whole");
+    fn the_last_judge_is_asked_again() {
+        for (preset, again) in [(Preset::Balanced, 1), (Preset::Best, 4)] {
+            let jury = Jury::of(preset);
+            let rounds: Vec<&Judge> = jury.rounds(true).collect();
+            assert_eq!(rounds.len(), 2 + again, "{preset}");
+            assert!(!std::ptr::eq(rounds[0], rounds[1]));
+            assert!(rounds[2..].iter().all(|&judge| std::ptr::eq(judge, rounds[1])));
+            assert_eq!(jury.rounds(false).count(), 1);
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use raster::Plane;
 
-use super::block::{Block, Compared, OF_EACH, OF_PIXEL, Scene};
+use super::block::{Block, Compared, LANES, OF_EACH, OF_PIXEL, Scene};
 use super::reach::Reach;
 use super::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
@@ -56,7 +56,7 @@ at_every_level! {
         pixel: (usize, usize),
     ) -> Option<Known> {
         let mut block = Block::default();
-        if !block.find::<1>(scene, reach, pixel.0, pixel.1) || !block.open[0] {
+        if !block.find::<1>(scene, reach, [true; LANES], pixel.0, pixel.1) || !block.open[0] {
             return None;
         }
         block.look::<1>(scene);

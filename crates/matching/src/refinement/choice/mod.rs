@@ -9,14 +9,17 @@
 //! to others, so the range does not matter.
 //!
 //! A round looks at the map as it was before: rows can be done in any order, by any number of
-//! threads.
+//! threads. What a pixel takes is what its neighbours choose from in the next round, so what is right
+//! spreads: the last judge is asked again and again, where the map moved.
 
 mod between;
 mod block;
+pub(crate) mod certainty;
 mod edges;
 mod judge;
 mod jury;
 mod lesson;
+mod moved;
 mod reach;
 mod rounds;
 mod strip;
@@ -29,11 +32,13 @@ use raster::Plane;
 use rayon::prelude::*;
 
 pub(crate) use self::block::Given;
-use self::block::{Block, Compared, LANES, Scene};
+use self::block::{Block, Compared, LANES, Scene, run};
+use self::certainty::CERTAIN;
 use self::judge::{Judge, Mind, verdict};
 pub(crate) use self::jury::Jury;
 pub(crate) use self::lesson::Lesson;
 pub use self::lesson::{Known, Pixel};
+use self::moved::Moved;
 use self::reach::Reach;
 pub(crate) use self::rounds::Choices;
 use self::windows::Windows;
@@ -46,6 +51,8 @@ use crate::profile::Work;
 pub(crate) struct Worker {
     /// Of the left and of the right image.
     windows: [Windows; 2],
+    /// Which pixels of a row are asked.
+    marks: Vec<bool>,
     /// Neighbours, and those of them that a judge is asked about.
     block: Block,
     asked: Block,
@@ -53,28 +60,31 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    /// What it takes for images of a width.
-    fn bytes(width: usize) -> usize {
-        size_of::<Self>() + 2 * Windows::bytes(width)
+    /// What it takes for a map of so many columns, in images of a width.
+    fn bytes(columns: usize, width: usize) -> usize {
+        size_of::<Self>() + 2 * Windows::bytes(width) + columns
     }
 
     /// Takes it, whether there will be rows to do or not.
-    fn reset(&mut self, width: usize) {
+    fn reset(&mut self, columns: usize, width: usize) {
         self.windows.iter_mut().for_each(|windows| windows.reset(width));
+        self.marks.clear();
+        self.marks.resize(columns, true);
     }
 }
 
-/// Lets the pixels of some rows of `scene` choose, into `out`; `certainty`, which arrives as 1, says how
-/// sure the judge is where there is anything to choose. Each of the `workers` takes one row after the
+/// Lets the pixels of some rows of `scene` choose, into `out`, or those that see where the map `moved` in the
+/// round before; `certainty` says how sure the judge is where there is anything to choose. Each of the `workers` takes one row after the
 /// other until none is left: where a map is wrong there is more to choose, so equal parts would not be
 /// done at the same time.
 fn choose(
     level: Level,
     (reach, judge): (&Reach, &Judge),
     scene: &Scene<'_>,
+    moved: Option<&Moved>,
     rows: Range<usize>,
     workers: &mut [Worker],
-    certainty: &mut Plane<f32>,
+    certainty: &mut Plane<u8>,
     out: &mut Plane<f32>,
 ) -> Work {
     let columns = scene.values.columns();
@@ -84,41 +94,48 @@ fn choose(
     let lines = out.samples_mut()[samples.clone()].chunks_exact_mut(columns).zip(certainty);
     let lines = Mutex::new(rows.zip(lines));
     let next = || lines.lock().expect("no worker fails while it takes a row").next();
-    let chosen = workers.par_iter_mut().map(|Worker { windows, block, asked, mind }| {
+    let chosen = workers.par_iter_mut().map(|Worker { windows, marks, block, asked, mind }| {
         let mut chosen = 0;
         while let Some((y, (out, certainty))) = next() {
             out.copy_from_slice(scene.values.row(y));
-            if y.is_multiple_of(reach.every) {
+            match moved {
+                None => certainty.fill(CERTAIN),
+                Some(_) => certainty.copy_from_slice(scene.certainty.row(y)),
+            }
+            let seen = |moved: &Moved| moved.seen_from(level, reach, y, marks);
+            if y.is_multiple_of(reach.every) && moved.is_none_or(seen) {
                 let compared = Compared::row(level, scene, windows, y);
                 let (judge, memory) = ((reach, judge), (&mut *block, &mut *asked, &mut *mind));
-                chosen += choose_row(level, judge, scene, &compared, y, memory, out, certainty);
+                chosen +=
+                    choose_row(level, judge, scene, &compared, (y, marks), memory, out, certainty);
             }
         }
         chosen
     });
-    // Values are copied. In rows that are asked, values, slopes, confidence and the right view are
-    // read, the choice and its certainty written; edges are read in four ways; reasons, doubts and the
-    // looks of both views are bytes.
+    // Values are copied, certainty written. In rows that are asked, values, slopes and the right view are
+    // read, the choice written; edges are read in four ways; reasons, doubts, certainty and the looks of
+    // both views are bytes.
     let asked = samples.len() / reach.every;
-    Work::bytes(2 * 4 * samples.len() + (4 * (5 + 2) + 2 * 4 + 2 + 2 * 3) * asked)
+    Work::bytes((2 * 4 + 1) * samples.len() + (4 * (4 + 1) + 2 * 4 + 3 + 2 * 3) * asked)
         + Work::operations(judge.operations()) * chosen.sum::<usize>()
 }
 
 at_every_level! {
-    /// Lets every so many-th pixel of row `y` choose; how many had a choice.
+    /// Lets every so many-th of the marked pixels of row `y` choose; how many had a choice.
     fn choose_row<const EVERY: usize>[products](
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
-        y: usize,
+        row: (usize, &[bool]),
         memory: (&mut Block, &mut Block, &mut Mind),
         out: &mut [f32],
-        certainty: &mut [f32],
+        certainty: &mut [u8],
     ) -> usize {
-        let ((reach, judge), (block, asked, mind)) = (judge, memory);
+        let ((reach, judge), (block, asked, mind), (y, marks)) = (judge, memory, row);
         let (mut chosen, mut waiting) = (0, 0);
         for x in (0..out.len()).step_by(EVERY * LANES) {
-            if block.find::<EVERY>(scene, reach, x, y) {
+            let marked = run::<_, EVERY>(marks, x as i64);
+            if block.find::<EVERY>(scene, reach, marked, x, y) {
                 block.look::<EVERY>(scene);
             }
             let last = x + EVERY * LANES >= out.len();
@@ -151,7 +168,7 @@ fn decide(
     mind: &mut Mind,
     count: usize,
     out: &mut [f32],
-    certainty: &mut [f32],
+    certainty: &mut [u8],
 ) {
     asked.compare(count, given, compared);
     judge.look(products, &asked.of_pixel, mind);
@@ -161,7 +178,7 @@ fn decide(
     let verdict = verdict(asked, mind);
     for l in 0..count {
         let x = asked.columns[l];
-        (out[x], certainty[x]) = (verdict.disparity[l], verdict.certainty[l]);
+        (out[x], certainty[x]) = (verdict.disparity[l], certainty::byte(verdict.certainty[l]));
     }
 }
 
@@ -187,7 +204,7 @@ mod tests {
         values: Plane<f32>,
         reasons: Plane<Reason>,
         doubtful: Plane<bool>,
-        confidence: Plane<f32>,
+        certainty: Plane<u8>,
         grey: [Plane<u8>; 2],
         right: Plane<f32>,
         strip: Strip,
@@ -216,7 +233,7 @@ mod tests {
             let mut world = Self {
                 reasons: values.map(|_| Reason::Matched),
                 doubtful: values.map(|_| false),
-                confidence: values.map(|_| 0.5),
+                certainty: values.map(|_| CERTAIN / 2),
                 grey: [left, right],
                 right: Plane::from_fn(WIDTH, ROWS, |m, _| {
                     let x = WIDTH - 1 - m;
@@ -226,7 +243,8 @@ mod tests {
                 values,
             };
             let mut strip = Strip::default();
-            strip.compute(level, &world.given(), &WIDE, &world.values, &(0..ROWS));
+            strip.look(level, &world.given(), &WIDE, world.values.size(), &(0..ROWS));
+            strip.slope(level, &world.values);
             world.strip = strip;
             world
         }
@@ -247,23 +265,40 @@ mod tests {
             Scene {
                 values: &self.values,
                 reasons: &self.reasons,
-                confidence: self.confidence.view(),
+                certainty: &self.certainty,
                 strip: &self.strip,
                 given,
             }
         }
 
         /// What a judge makes of it, with its certainty.
-        fn judged(&self, level: Level, judge: (&Reach, &Judge), threads: usize) -> [Plane<f32>; 2] {
+        fn judged(
+            &self,
+            level: Level,
+            judge: (&Reach, &Judge),
+            threads: usize,
+        ) -> (Plane<f32>, Plane<u8>) {
+            self.judged_where(None, level, judge, threads)
+        }
+
+        /// The same where it moved.
+        fn judged_where(
+            &self,
+            moved: Option<&Moved>,
+            level: Level,
+            judge: (&Reach, &Judge),
+            threads: usize,
+        ) -> (Plane<f32>, Plane<u8>) {
             let columns = self.values.columns();
-            let mut planes = [0.0, 1.0].map(|value| Plane::filled(columns, ROWS, value));
+            let (mut out, mut certainty) =
+                (Plane::filled(columns, ROWS, 0.0), Plane::filled(columns, ROWS, 0));
             let mut workers: Vec<Worker> = (0..threads).map(|_| Worker::default()).collect();
-            workers.iter_mut().for_each(|worker| worker.reset(WIDTH));
+            workers.iter_mut().for_each(|worker| worker.reset(columns, WIDTH));
             let given = self.given();
             let scene = self.scene(&given);
-            let [out, certainty] = &mut planes;
-            choose(level, judge, &scene, 0..ROWS, &mut workers, certainty, out);
-            planes
+            let all = 0..ROWS;
+            choose(level, judge, &scene, moved, all, &mut workers, &mut certainty, &mut out);
+            (out, certainty)
         }
     }
 
@@ -283,8 +318,9 @@ mod tests {
         assert_eq!(own, 0);
         // The wall lies 8 below: 0.4 for each of three pixels and 0.05 for each of all.
         assert_eq!([0, 1].map(|i| known.of_each[i][wall]), [-1.6, 1.6]);
-        assert_eq!([2, 3, 4].map(|i| known.of_each[i][own]), [0.5, 1.0, 1.0]);
-        assert_eq!([2, 3, 4].map(|i| known.of_each[i][wall]), [0.5, 0.0, 0.0]);
+        let sure = certainty::share(CERTAIN / 2);
+        assert_eq!([2, 3, 4].map(|i| known.of_each[i][own]), [sure, 1.0, 1.0]);
+        assert_eq!([2, 3, 4].map(|i| known.of_each[i][wall]), [sure, 0.0, 0.0]);
         assert!(known.of_each[6][wall] < known.of_each[6][own], "the wall fits better");
         assert_eq!(known.of_each[8][wall], 0.0);
         // The right view says 4 where the wall's match lies.
@@ -294,7 +330,7 @@ mod tests {
         assert_eq!(known.of_each[17][0], 0.0);
         let mut edges = known.of_each[17].iter().zip(&known.inside).skip(1);
         assert!(edges.all(|(&edges, &inside)| !inside || edges > 0.0), "all of it is noise");
-        assert_eq!(known.of_pixel[..5], [0.5, 0.0, 1.0, 0.0, 1.0]);
+        assert_eq!(known.of_pixel[..5], [sure, 0.0, 1.0, 0.0, 1.0]);
         let inside = known.inside.iter().filter(|&&inside| inside).count() as f32;
         assert!(inside < 32.0, "some lie above and below the map");
         let votes: f32 = known.of_each[11][wall] + known.of_each[11][own];
@@ -341,8 +377,7 @@ mod tests {
                 pool.install(|| world.judged(level, (*reach, judge), threads))
             };
             let expected = choices(Level::available()[0], 1);
-            assert!(expected[0] != world.values, "nothing was chosen");
-            assert!(expected[1].samples().iter().all(|sure| (0.0..=1.0).contains(sure)));
+            assert!(expected.0 != world.values, "nothing was chosen");
             for level in Level::available() {
                 eprintln!("{columns} columns, level {}", level.name());
                 assert!(choices(level, 2) == expected);
@@ -365,15 +400,49 @@ mod tests {
             let level = Level::detect();
             let [some, every] =
                 [&NARROW, &all].map(|reach| world.judged(level, (reach, &judge), 1));
-            for (some, every) in some.iter().zip(&every) {
-                for y in (0..ROWS).step_by(2) {
-                    let pixels = |plane: &Plane<f32>| -> Vec<f32> {
-                        plane.row(y).iter().step_by(2).copied().collect()
-                    };
-                    assert_eq!(pixels(some), pixels(every), "{columns} columns, row {y}");
+            for (y, x) in (0..ROWS).flat_map(|y| (0..columns).map(move |x| (y, x))) {
+                if y % 2 == 0 && x % 2 == 0 {
+                    let of =
+                        |(out, sure): &(Plane<f32>, Plane<u8>)| (out.row(y)[x], sure.row(y)[x]);
+                    assert_eq!(of(&some), of(&every), "{columns} columns, pixel ({x}, {y})");
                 }
             }
         }
+    }
+
+    #[test]
+    fn only_those_are_asked_again_that_see_where_the_map_moved() {
+        let mut chance = Chance(6);
+        let layers = Layers { first: 16, second: 8 };
+        let numbers: Vec<f32> =
+            (0..Judge::numbers(&WIDE, layers)).map(|_| chance.share() - 0.5).collect();
+        let judge = Judge::new(&WIDE, layers, numbers);
+        let level = Level::detect();
+        let values = Plane::from_fn(COLUMNS, ROWS, |x, _| truth(x + FIRST) + 3.0 * chance.share());
+        let world = World::new(values);
+        let all = world.judged(level, (&WIDE, &judge), 1);
+        // One pixel has moved.
+        let (x, y) = (40, 17);
+        let mut before = world.values.clone();
+        before.row_mut(y)[x] += 9.0;
+        let mut moved = Moved::default();
+        moved.find(level, &before, &world.values);
+        let some = world.judged_where(Some(&moved), level, (&WIDE, &judge), 2);
+        let mut asked = 0;
+        for (v, u) in (0..ROWS).flat_map(|v| (0..COLUMNS).map(move |u| (v, u))) {
+            let is = |place: &reach::Place| {
+                (place.columns, place.rows) == (x as i32 - u as i32, y as i32 - v as i32)
+            };
+            let of = |(out, sure): &(Plane<f32>, Plane<u8>)| (out.row(v)[u], sure.row(v)[u]);
+            let expected = match WIDE.places.iter().any(is) {
+                true => of(&all),
+                false => (world.values.row(v)[u], world.certainty.row(v)[u]),
+            };
+            assert_eq!(of(&some), expected, "pixel ({u}, {v})");
+            asked += usize::from(WIDE.places.iter().any(is));
+        }
+        // Two places lie above and below the map.
+        assert!(asked > 20, "{asked} pixels see that one");
     }
 
     #[test]
@@ -385,7 +454,7 @@ mod tests {
             let mut world = World::textured(grown, texture);
             for y in 0..ROWS {
                 world.reasons.row_mut(y)[64 - FIRST..70 - FIRST].fill(Reason::OccludedFilled);
-                world.confidence.row_mut(y)[64 - FIRST..70 - FIRST].fill(0.0);
+                world.certainty.row_mut(y)[64 - FIRST..70 - FIRST].fill(0);
             }
             let wrong = |values: &Plane<f32>| {
                 let rows = 5..ROWS - 5;
@@ -396,8 +465,8 @@ mod tests {
                 let jury = Jury::of(preset);
                 // Every pixel is asked.
                 let reach = Reach { every: 1, ..*jury.reach };
-                let judge = (&reach, &jury.judges(true)[0]);
-                let [out, _] = world.judged(Level::detect(), judge, 1);
+                let judge = (&reach, jury.rounds(false).next().expect("a first round"));
+                let (out, _) = world.judged(Level::detect(), judge, 1);
                 let [before, after] = [&world.values, &out].map(wrong);
                 eprintln!("{preset}, texture {texture}: of {before} wrong pixels {after} are left");
                 assert!((after as f32) < most * before as f32, "{preset}: {after} of {before}");

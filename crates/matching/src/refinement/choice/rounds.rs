@@ -1,13 +1,14 @@
-//! The rounds of choices: one for each judge.
+//! The rounds of choices: one for each judge, and more where the map moved.
 
 use raster::{Plane, Reason, View};
 use rayon::prelude::*;
 
 use super::between::follow;
 use super::block::{Given, Scene};
-use super::judge::Judge;
+use super::certainty;
 use super::jury::Jury;
 use super::lesson::Lesson;
+use super::moved::Moved;
 use super::strip::Strip;
 use super::{Worker, choose};
 use crate::kernels::level::Level;
@@ -18,20 +19,17 @@ use crate::selection::cross_check::ViewMap;
 
 /// A match whose disparity changed by more, in pixels, is not confirmed any more.
 const CONFIRMED: f32 = 1.0;
-
-/// Who looks at the map in a round: a judge, or in the end who is to become one.
-enum Turn<'a> {
-    Judge(&'a Judge),
-    Lesson(&'a mut Lesson),
-}
+/// So many pixels are looked at together: mostly all of them are.
+const TOGETHER: usize = 64;
 
 /// The rounds of a jury with their memory, kept between frames.
 pub(crate) struct Choices {
     jury: &'static Jury,
-    /// How sure pixels are: what the last judge said.
-    certainty: Plane<f32>,
+    /// How sure pixels are, in bytes: what the last judge said, before the first one the paths.
+    certainty: Plane<u8>,
     /// The same after the round that runs.
-    next: Plane<f32>,
+    next: Plane<u8>,
+    moved: Moved,
     strip: Strip,
     /// One for each thread.
     workers: Vec<Worker>,
@@ -42,9 +40,10 @@ pub(crate) struct Choices {
 impl Choices {
     /// What they take for a map of so many columns and rows, in images of a width.
     pub fn bytes(jury: &Jury, (columns, rows): (usize, usize), width: usize) -> usize {
-        let certainty = jury.judges(true).len().min(2) * size_of::<f32>() * columns * rows;
-        let workers = rayon::current_num_threads() * Worker::bytes(width);
-        certainty + Strip::bytes(columns, rows, width, jury.reach) + workers
+        let pixels = columns * rows;
+        let maps = 2 * size_of::<u8>() * pixels + Moved::bytes(pixels);
+        let workers = rayon::current_num_threads() * Worker::bytes(columns, width);
+        maps + Strip::bytes(columns, rows, width, jury.reach) + workers
     }
 
     pub fn new(jury: &'static Jury) -> Self {
@@ -52,6 +51,7 @@ impl Choices {
             jury,
             certainty: Plane::default(),
             next: Plane::default(),
+            moved: Moved::default(),
             strip: Strip::default(),
             workers: Vec::new(),
             lesson: None,
@@ -73,61 +73,50 @@ impl Choices {
         self.lesson
     }
 
-    /// How sure the last judge was, pixel after pixel.
-    pub fn certainty(&self) -> &[f32] {
+    /// How sure the last judge was, pixel after pixel, as a [share](super::certainty::share).
+    pub fn certainty(&self) -> &[u8] {
         self.certainty.samples()
     }
 
-    /// Lets the pixels of `values`, a map without holes, choose. The reasons of `map` are theirs; its
-    /// disparities are overwritten.
+    /// Lets the pixels of `values`, a map without holes, choose, once or in all rounds. The reasons of
+    /// `map` are theirs; its disparities are overwritten.
     pub fn run(
         &mut self,
         level: Level,
-        with_last: bool,
+        further: bool,
         given: &Given<'_>,
         confidence: View<'_, f32>,
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
-        let Self { jury, certainty, next, strip, workers, lesson } = self;
+        let Self { jury, certainty, next, moved, strip, workers, lesson } = self;
         let reach = jury.reach;
-        workers.resize_with(rayon::current_num_threads(), Default::default);
-        workers.iter_mut().for_each(|worker| worker.reset(given.grey[0].columns()));
-        let ViewMap { values: other, reasons, .. } = map;
         let (columns, rows) = values.size();
-        let mut done = Work::bytes(0);
-        let turns = jury.judges(with_last).iter().map(Turn::Judge);
-        let turns = turns.chain(lesson.as_mut().map(Turn::Lesson));
-        for (round, turn) in turns.enumerate() {
-            match round {
-                // What the last frame left is not read any more: a single round needs one plane.
-                0 => {
-                    std::mem::swap(certainty, next);
-                    other.reset(columns, rows, 0.0);
-                }
-                _ => {
-                    done = done + median_of_map(level, values, other);
-                    std::mem::swap(values, other);
-                }
+        workers.resize_with(rayon::current_num_threads(), Default::default);
+        workers.iter_mut().for_each(|worker| worker.reset(columns, given.grey[0].columns()));
+        let ViewMap { values: other, reasons, .. } = map;
+        other.reset(columns, rows, 0.0);
+        next.reset(columns, rows, 0);
+        certainty.reset(columns, rows, 0);
+        let mut done = keep(confidence, certainty);
+        let several = Strip::all(rows).count() > 1;
+        let mut rounds = 0;
+        for judge in jury.rounds(further) {
+            if rounds > 0 {
+                done = done + moved.find(level, other, values);
+                done = done + median_of_map(level, values, other);
+                std::mem::swap(values, other);
             }
-            let confidence = if round == 0 { confidence } else { certainty.view() };
-            let judge = match turn {
-                Turn::Judge(judge) => judge,
-                Turn::Lesson(lesson) => {
-                    let pixels = lesson.pick(values);
-                    for rows in Strip::all(rows) {
-                        strip.compute(level, given, reach, values, &rows);
-                        let scene = Scene { values, reasons, confidence, strip, given };
-                        lesson.learn(level, &scene, reach, &pixels, &rows);
-                    }
-                    break;
-                }
-            };
-            next.reset(columns, rows, 1.0);
             for rows in Strip::all(rows) {
-                done = done + strip.compute(level, given, reach, values, &rows);
-                let scene = Scene { values, reasons, confidence, strip, given };
-                done = done + choose(level, (reach, judge), &scene, rows, workers, next, other);
+                // What is seen of the images stays.
+                if rounds == 0 || several {
+                    done = done + strip.look(level, given, reach, values.size(), &rows);
+                }
+                done = done + strip.slope(level, values);
+                let scene = Scene { values, reasons, certainty, strip, given };
+                let moved = (rounds > 0).then_some(&*moved);
+                let judge = (reach, judge);
+                done = done + choose(level, judge, &scene, moved, rows, workers, next, other);
             }
             if reach.every > 1 {
                 done = done + follow(level, given, values, next, other);
@@ -135,9 +124,35 @@ impl Choices {
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
             done = done + unconfirm(given, other, values, reasons);
+            rounds += 1;
+        }
+        if let Some(lesson) = lesson {
+            if rounds > 0 {
+                median_of_map(level, values, other);
+                std::mem::swap(values, other);
+            }
+            let pixels = lesson.pick(values);
+            for rows in Strip::all(rows) {
+                strip.look(level, given, reach, values.size(), &rows);
+                strip.slope(level, values);
+                let scene = Scene { values, reasons, certainty, strip, given };
+                lesson.learn(level, &scene, reach, &pixels, &rows);
+            }
         }
         done
     }
+}
+
+/// Keeps in bytes how sure the paths are.
+fn keep(confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> Work {
+    let columns = certainty.columns();
+    let rows = certainty.samples_mut().par_chunks_mut(columns).enumerate();
+    rows.for_each(|(y, certainty)| {
+        for (byte, &share) in certainty.iter_mut().zip(confidence.row(y)) {
+            *byte = certainty::byte(share);
+        }
+    });
+    Work::bytes((size_of::<f32>() + size_of::<u8>()) * certainty.samples().len())
 }
 
 /// Says what the pixels of a map are that had the disparities `before`: one that took another is not
@@ -151,14 +166,23 @@ fn unconfirm(
     let (columns, width) = (now.columns(), given.grey[0].columns());
     let rows = reasons.samples_mut().par_chunks_mut(columns).enumerate();
     rows.for_each(|(y, reasons)| {
-        let values = before.row(y).iter().zip(now.row(y));
-        for ((column, (before, now)), reason) in (given.first..).zip(values).zip(reasons) {
-            let hole = match *reason {
-                Reason::Matched if (before - now).abs() <= CONFIRMED => continue,
-                Reason::Matched | Reason::MismatchedFilled => Reason::MismatchedHole,
-                _ => Reason::OccludedHole,
-            };
-            *reason = filled(width, column, *now, hole);
+        let values = before.row(y).chunks(TOGETHER).zip(now.row(y).chunks(TOGETHER));
+        let blocks = values.zip(reasons.chunks_mut(TOGETHER));
+        for (first, ((before, now), reasons)) in (given.first..).step_by(TOGETHER).zip(blocks) {
+            let pixels = || before.iter().zip(now).map(|(before, now)| (before - now).abs());
+            let confirmed = |off: f32, reason| (off <= CONFIRMED) & (reason == Reason::Matched);
+            let all = pixels().zip(&*reasons).fold(true, |all, (off, &r)| all & confirmed(off, r));
+            if all {
+                continue;
+            }
+            for ((column, (off, now)), reason) in (first..).zip(pixels().zip(now)).zip(reasons) {
+                let hole = match *reason {
+                    Reason::Matched if off <= CONFIRMED => continue,
+                    Reason::Matched | Reason::MismatchedFilled => Reason::MismatchedHole,
+                    _ => Reason::OccludedHole,
+                };
+                *reason = filled(width, column, *now, hole);
+            }
         }
     });
     Work::bytes(2 * size_of_val(now.samples()) + 2 * size_of_val(reasons.samples()))

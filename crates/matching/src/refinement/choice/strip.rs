@@ -51,25 +51,30 @@ impl Strip {
         (0..rows).step_by(height).map(move |first| first..(first + height).min(rows))
     }
 
-    /// Looks at all that pixels of these rows reach.
-    pub fn compute(
+    /// Looks at the images wherever pixels of these rows of a map reach.
+    pub fn look(
         &mut self,
         level: Level,
         given: &Given<'_>,
         reach: &Reach,
-        values: &Plane<f32>,
+        (columns, all): (usize, usize),
         rows: &Range<usize>,
     ) -> Work {
         // All strips have one height, so that memory is taken once.
-        let height = Self::height(values.rows(), reach);
+        let height = Self::height(all, reach);
         let above = rows.start.saturating_sub(reach.rows() + APART);
-        self.top = above.min(values.rows() - height);
+        self.top = above.min(all - height);
         let [base, other] = given.grey;
-        let (top, rows) = (given.top + self.top, self.top..self.top + height);
+        let top = given.top + self.top;
         self.base.compute(level, base, top, height)
             + self.other.compute(level, other, top, height)
-            + self.slopes.compute_rows(level, values, rows)
-            + self.edges.compute(level, &self.base, given.first, values.columns())
+            + self.edges.compute(level, &self.base, given.first, columns)
+    }
+
+    /// Finds the slopes of the map in the rows that were looked at.
+    pub fn slope(&mut self, level: Level, values: &Plane<f32>) -> Work {
+        let rows = self.top..self.top + self.base.rows();
+        self.slopes.compute_rows(level, values, rows)
     }
 
     /// Where row `y` of the map lies in it.
@@ -120,7 +125,8 @@ mod tests {
             for rows_of_strip in Strip::all(rows) {
                 assert_eq!(rows_of_strip.start, seen);
                 seen = rows_of_strip.end;
-                strip.compute(level, &given, reach, &part, &rows_of_strip);
+                strip.look(level, &given, reach, part.size(), &rows_of_strip);
+                strip.slope(level, &part);
                 let reached = rows_of_strip.start.saturating_sub(reach.rows())
                     ..(rows_of_strip.end + reach.rows()).min(rows);
                 for y in reached {
