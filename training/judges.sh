@@ -1,15 +1,14 @@
 #!/bin/sh
-# Trains the judges of `balanced` and `best` and puts their weights in place. Takes 25 minutes of two
+# Trains the judges of `balanced` and `best` and puts their weights in place. Takes 30 minutes of two
 # processors, and 15 GB below target/lessons, which stay if it fails; the weights are as before then.
 #
 #     HAZCAM_DATA=~/stereo training/judges.sh [--without NAME..]
 #
 # from the project's root. What it is given goes on to the program that writes lessons: --without keeps scenes out.
 #
-# Every preset has two judges: the second learns from what the first one left. On pairs that the first one
-# had among its own lessons it leaves less than it will elsewhere, so in `best` these lessons come from
-# judges that were taught on the other half of the scenes (cross-fitting). As the second one is asked again
-# and again, it learns there from what is left after all of that too.
+# The second judge of `best` learns from what the first one left. On pairs that the first one had among
+# its own lessons it leaves less than it will elsewhere, so these lessons come from judges that were
+# taught on the other half of the scenes (cross-fitting).
 #
 # Needs PyTorch and numpy; PYTHON names the interpreter.
 set -eu
@@ -44,13 +43,11 @@ learn() {
     OMP_NUM_THREADS=1 "$python" training/choice.py "$@" --preset "$preset" --weights "$to"
 }
 
-: > $weights/balanced.bin
-: > $weights/best.bin
-for name in balanced first 1 2; do
-    : > $lessons/$name.bin
+for file in $weights/balanced.bin $weights/best.bin $lessons/balanced.bin $lessons/1.bin $lessons/2.bin $lessons/first.bin
+do
+    : > $file
 done
-
-# `balanced`. Without twins: with them it stands less noise.
+# Without twins: with them it stands less noise.
 choices balanced $lessons/all "$@"
 learn balanced $lessons/balanced.bin $lessons/all &
 balanced=$!
@@ -61,35 +58,21 @@ wait $balanced
 rm $lessons/all
 cp $lessons/balanced.bin $weights/balanced.bin
 choices balanced $lessons/left "$@"
-learn balanced $weights/balanced.bin $lessons/left &
-balanced=$!
-
-# `best`: the first judge, and those of either half.
-learn best $lessons/1.bin $lessons/1
-learn best $lessons/2.bin $lessons/2 &
-two=$!
-wait $balanced
+learn balanced $lessons/balanced.bin $lessons/left
 rm $lessons/left
+
+learn best $lessons/1.bin $lessons/1 &
+one=$!
+learn best $lessons/2.bin $lessons/2
+wait $one
 learn best $lessons/first.bin $lessons/1 $lessons/2 &
 first=$!
-wait $two
-other() { echo $((3 - $1)); }
 for half in 1 2; do
-    cp $lessons/$(other $half).bin $weights/best.bin
+    cp $lessons/$((3 - half)).bin $weights/best.bin
     choices best $lessons/left$half --twins --half $half "$@"
 done
 wait $first
-rm $lessons/1 $lessons/2
-
-# What these leave, and what is left when they have been asked again and again.
-learn best $lessons/1.bin $lessons/left1 &
-one=$!
-learn best $lessons/2.bin $lessons/left2
-wait $one
-for half in 1 2; do
-    cp $lessons/$(other $half).bin $weights/best.bin
-    choices best $lessons/last$half --twins --half $half "$@"
-done
 cp $lessons/first.bin $weights/best.bin
-learn best $weights/best.bin $lessons/left1 $lessons/left2 $lessons/last1 $lessons/last2
+cp $lessons/balanced.bin $weights/balanced.bin
+learn best $weights/best.bin $lessons/left1 $lessons/left2
 rm -r $lessons
