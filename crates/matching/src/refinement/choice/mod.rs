@@ -73,10 +73,10 @@ impl Worker {
     }
 }
 
-/// Lets the pixels of some rows of `scene` choose, into `out`, or those that see where the map `moved` in the
-/// round before; `certainty` says how sure the judge is where there is anything to choose. Each of the `workers` takes one row after the
-/// other until none is left: where a map is wrong there is more to choose, so equal parts would not be
-/// done at the same time.
+/// Lets the pixels of some rows of `scene` choose, into `out`: all, or those that see where the map `moved`
+/// in the round before. `certainty` says how sure the judge is where there is anything to choose. Each of
+/// the `workers` takes one row after the other until none is left: where a map is wrong there is more to
+/// choose, so equal parts would not be done at the same time.
 fn choose(
     level: Level,
     (reach, judge): (&Reach, &Judge),
