@@ -352,16 +352,19 @@ mod tests {
         assert!(has_choice(&world, (52, 20)));
     }
 
+    /// A judge that was taught nothing.
+    fn judge_by_chance(reach: &Reach, layers: Layers, chance: &mut Chance) -> Judge {
+        let numbers = Judge::numbers(reach, layers);
+        Judge::new(reach, layers, (0..numbers).map(|_| chance.share() - 0.5))
+    }
+
     #[test]
     fn every_level_and_number_of_threads_chooses_the_same() {
         let mut chance = Chance(9);
         let shapes =
             [(&NARROW, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
-        let judges = shapes.map(|(reach, layers)| {
-            let numbers: Vec<f32> =
-                (0..Judge::numbers(reach, layers)).map(|_| chance.share() - 0.5).collect();
-            (reach, Judge::new(reach, layers, numbers))
-        });
+        let judges =
+            shapes.map(|(reach, layers)| (reach, judge_by_chance(reach, layers, &mut chance)));
         for (columns, (reach, judge)) in
             [3, 15, 17, 37, COLUMNS].into_iter().flat_map(|n| judges.iter().map(move |j| (n, j)))
         {
@@ -388,10 +391,7 @@ mod tests {
     #[test]
     fn every_second_pixel_is_asked_as_if_all_were() {
         let mut chance = Chance(4);
-        let layers = Layers { first: 16, second: 8 };
-        let numbers: Vec<f32> =
-            (0..Judge::numbers(&NARROW, layers)).map(|_| chance.share() - 0.5).collect();
-        let judge = Judge::new(&NARROW, layers, numbers);
+        let judge = judge_by_chance(&NARROW, Layers { first: 16, second: 8 }, &mut chance);
         let all = Reach { every: 1, ..NARROW };
         for columns in [1, 2, 31, 32, 33, 63, 64, 65] {
             let values =
@@ -413,10 +413,7 @@ mod tests {
     #[test]
     fn only_those_are_asked_again_that_see_where_the_map_moved() {
         let mut chance = Chance(6);
-        let layers = Layers { first: 16, second: 8 };
-        let numbers: Vec<f32> =
-            (0..Judge::numbers(&WIDE, layers)).map(|_| chance.share() - 0.5).collect();
-        let judge = Judge::new(&WIDE, layers, numbers);
+        let judge = judge_by_chance(&WIDE, Layers { first: 16, second: 8 }, &mut chance);
         let level = Level::detect();
         let values = Plane::from_fn(COLUMNS, ROWS, |x, _| truth(x + FIRST) + 3.0 * chance.share());
         let world = World::new(values);
