@@ -39,6 +39,8 @@ pub enum Ingredient {
     PlaneFill,
     /// Planes from the neighbourhood, chosen by learned judges.
     LearnedChoice,
+    /// The same in the right view, before.
+    RightChoices,
     /// All rounds of choices but the first.
     FurtherChoices,
     /// The median of 5 x 5 pixels.
@@ -66,7 +68,7 @@ const BALANCED: [Ingredient; 13] = [
     PathMargin,
 ];
 
-const BEST: [Ingredient; 18] = [
+const BEST: [Ingredient; 19] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
@@ -82,6 +84,7 @@ const BEST: [Ingredient; 18] = [
     Interpolation,
     PlaneFill,
     LearnedChoice,
+    RightChoices,
     FurtherChoices,
     Median,
     PathMargin,
@@ -186,6 +189,11 @@ impl Ingredient {
                 "learned-choice",
                 "pixels take one of 16 planes around them (in best 32), chosen by a learned judge",
                 "the filled map as it is",
+            ),
+            RightChoices => (
+                "right-choices",
+                "the right view chooses first, once by each judge: what it says at a match is a hint",
+                "the hint is the right view as it was sharpened",
             ),
             FurtherChoices => (
                 "further-choices",

@@ -6,6 +6,7 @@
 
 use raster::{BoundingBox, Image};
 
+use super::right_choices::RightChoices;
 use crate::cost::SearchSpace;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::matcher::Frame;
@@ -94,6 +95,7 @@ impl Needs {
             ingredients.has(Ingredient::SupportWeights),
             ingredients.has(Ingredient::LearnedChoice),
         );
+        let right_choice = choice && ingredients.has(Ingredient::RightChoices);
         let filled = if prior || support_weights || choice { 4 * part } else { 0 };
         let prior = match prior {
             false => 0,
@@ -104,15 +106,19 @@ impl Needs {
         let seen = if support_weights { (4 * 3 + 8) * wide } else { 0 };
         let support_weights = match support_weights {
             false => 0,
-            // The left view smoothed; the right one filled and smoothed, its reasons, fixed point and
-            // groups.
-            true => {
-                let right = (4 + 4 + 1 + 2) * wide + Groups::bytes(width, lines);
-                4 * part + right + SupportWeights::bytes(width, lines, space.count)
-            }
+            // Both views smoothed.
+            true => 4 * (part + wide) + SupportWeights::bytes(width, lines, space.count),
         };
-        let choice = if choice { Choices::bytes(jury, (columns, lines), width) } else { 0 };
-        let refined = filled + seen + support_weights + choice;
+        // The right view filled, its reasons, fixed point and groups.
+        let right = match support_weights > 0 || right_choice {
+            false => 0,
+            true => (4 + 1 + 2) * wide + Groups::bytes(width, lines),
+        };
+        let right_choice = if right_choice { RightChoices::bytes(width, lines) } else { 0 };
+        // In the right view all columns choose.
+        let chosen = if right_choice > 0 { width } else { columns };
+        let choice = if choice { Choices::bytes(jury, (chosen, lines), width) } else { 0 };
+        let refined = filled + seen + support_weights + right + right_choice + choice;
         let stages = images + flat + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }

@@ -2,6 +2,7 @@
 
 mod fast;
 mod memory;
+mod right_choices;
 mod semi_global;
 mod view;
 

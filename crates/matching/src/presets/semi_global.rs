@@ -10,6 +10,7 @@ use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
 use super::memory::Needs;
+use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
@@ -78,6 +79,7 @@ pub(crate) struct SemiGlobalMatching {
     others: [Looks; 2],
     slopes: Slopes,
     weights: SupportWeights,
+    right_choices: RightChoices,
     choices: Choices,
     /// Rows of medians, one for each thread.
     medians: Vec<Vec<u16>>,
@@ -121,6 +123,7 @@ impl SemiGlobalMatching {
             others: Default::default(),
             slopes: Slopes::default(),
             weights: SupportWeights::default(),
+            right_choices: RightChoices::default(),
             choices: Choices::new(Jury::of(preset)),
             medians: Vec::new(),
         }
@@ -206,8 +209,7 @@ impl SemiGlobalMatching {
         confidence: &mut [f32],
         profile: &mut Profile,
     ) {
-        let checked = self.left.check(search, &self.right.map.values, self.right.map.first);
-        profile.end(CHECK, checked);
+        self.check(search, false, profile);
         let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
         if ingredients.has(Ingredient::Descriptors) {
@@ -244,20 +246,26 @@ impl SemiGlobalMatching {
         Work::bytes((4 + 4 + 1) * columns * work.rows())
     }
 
+    /// Checks the left view against the right one, and that against the left one as it was.
+    fn check(&mut self, search: Search<'_>, both: bool, profile: &mut Profile) {
+        let View { map, filled: unchecked, .. } = &mut self.left;
+        let mut done = Work::default();
+        if both {
+            unchecked.reset(map.values.columns(), map.values.rows(), 0.0);
+            unchecked.samples_mut().copy_from_slice(map.values.samples());
+            done = Work::bytes(2 * size_of_val(unchecked.samples()));
+        }
+        done = done + self.left.check(search, &self.right.map.values, self.right.map.first);
+        if both {
+            done = done + self.right.check(search, &self.left.filled, self.left.map.first);
+        }
+        profile.end(CHECK, done);
+    }
+
     /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
     fn sharpen(&mut self, search: Search<'_>, profile: &mut Profile) {
-        // Both are checked against the other as it was.
-        let View { map, filled: raw, .. } = &mut self.left;
-        raw.reset(map.values.columns(), map.values.rows(), 0.0);
-        raw.samples_mut().copy_from_slice(map.values.samples());
-        let copied = Work::bytes(2 * size_of_val(raw.samples()));
-        let left = self.left.check(search, &self.right.map.values, self.right.map.first);
-        profile.end(CHECK, copied + left);
         let both = search.ingredients.has(Ingredient::RightSupportWeights);
-        if both {
-            let right = self.right.check(search, &self.left.filled, self.left.map.first);
-            profile.end(CHECK, right);
-        }
+        self.check(search, both, profile);
         let [other_of_left, other_of_right] = &self.others;
         let (slopes, weights) = (&mut self.slopes, &mut self.weights);
         let mut done = self.left.refine(search, other_of_left, slopes, weights);
@@ -281,16 +289,24 @@ impl SemiGlobalMatching {
         done
     }
 
-    /// Lets pixels of the left view, which is filled, choose planes around them. One without a match
-    /// is as confident as the judge is certain, one with a match as both are.
-    fn choose(&mut self, search: Search<'_>, confidence: &mut [f32]) -> Work {
+    /// Lets pixels of the left view, which is filled, choose planes around them, before it those of the
+    /// right one. One without a match is as confident as the judge is certain, one with a match as both are.
+    fn choose(&mut self, search: Search<'_>, confidence: &mut [f32], profile: &mut Profile) {
         let Search { ingredients, level, grey, work, width, range, .. } = search;
+        let further = ingredients.has(Ingredient::FurtherChoices);
+        let both = ingredients.has(Ingredient::RightChoices);
+        if both {
+            let (choices, views) = (&mut self.choices, (&self.left, &mut self.right));
+            let (left, right) = views;
+            let done = self.right_choices.run(search, further, choices, left, confidence, right);
+            profile.end("choices in the right view", done);
+        }
         let View { map, filled, .. } = &mut self.left;
         let columns = work.x0..work.x0 + filled.columns();
         let given = Given {
             doubtful: &self.doubtful,
             grey,
-            right: &self.right.map.values,
+            right: if both { &self.right.filled } else { &self.right.map.values },
             first: work.x0,
             top: work.y0,
             least: range.min() as f32,
@@ -298,8 +314,9 @@ impl SemiGlobalMatching {
         };
         let before = raster::View::new(columns.len(), work.rows(), width, &confidence[work.x0..])
             .expect("the part lies in the image");
-        let further = ingredients.has(Ingredient::FurtherChoices);
-        let done = self.choices.run(level, further, &given, before, filled, map);
+        let rounds = if further { usize::MAX } else { 1 };
+        let done = self.choices.run(level, rounds, &given, before, filled, map);
+        self.choices.learn(level, &given, filled, map);
         if ingredients.has(Ingredient::PathMargin) {
             let certainty = self.choices.certainty().chunks_exact(columns.len());
             let told = certainty.zip(map.reasons.samples().chunks_exact(columns.len()));
@@ -312,9 +329,8 @@ impl SemiGlobalMatching {
             }
         }
         // Confidence is multiplied by the certainty where there is a match.
-        done + Work::bytes(
-            2 * size_of_val(filled.samples()) + 2 * size_of_val(map.reasons.samples()),
-        )
+        let told = 2 * size_of_val(filled.samples()) + 2 * size_of_val(map.reasons.samples());
+        profile.end("choices", done + Work::bytes(told));
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -464,8 +480,7 @@ impl Pipeline for SemiGlobalMatching {
             if !ingredients.has(Ingredient::PathMargin) {
                 self.trust_agreement(width, confidence);
             }
-            let checked = self.left.check(search, &self.right.map.values, self.right.map.first);
-            profile.end(CHECK, checked);
+            self.check(search, chooses && ingredients.has(Ingredient::RightChoices), profile);
         } else {
             self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
         }
@@ -473,12 +488,15 @@ impl Pipeline for SemiGlobalMatching {
             true => &mut self.left.filled,
             false => &mut self.right.map.values,
         };
-        let done = fill(ingredients, level, width, range, &mut self.left.map, filled);
+        let mut done = fill(ingredients, level, width, range, &mut self.left.map, filled);
+        if chooses && ingredients.has(Ingredient::RightChoices) {
+            let View { map, filled, .. } = &mut self.right;
+            done = done + fill(ingredients, level, width, range, map, filled);
+        }
         profile.end(FILL, done);
         if chooses {
             let confidence = &mut map.confidence.samples_mut()[work.y0 * width..][..rows * width];
-            let chosen = self.choose(search, confidence);
-            profile.end("choices", chosen);
+            self.choose(search, confidence, profile);
         }
         let filled = if chooses { &self.left.filled } else { &self.right.map.values };
         let mut medians = in_steps(level, search.numbers, filled, &mut self.left.steps);

@@ -43,11 +43,10 @@ impl Jury {
         }
     }
 
-    /// Who is asked in each round, or in the first one alone.
-    pub fn rounds(&self, further: bool) -> impl Iterator<Item = &Judge> {
+    /// Who is asked in each round.
+    pub fn rounds(&self) -> impl Iterator<Item = &Judge> {
         let again = if self.judges.len() > 1 { self.again } else { 0 };
-        let last = std::iter::repeat_n(self.judges.last(), again).flatten();
-        self.judges.iter().chain(last).take(if further { usize::MAX } else { 1 })
+        self.judges.iter().chain(std::iter::repeat_n(self.judges.last(), again).flatten())
     }
 }
 
@@ -59,11 +58,10 @@ mod tests {
     fn the_last_judge_is_asked_again() {
         for (preset, again) in [(Preset::Balanced, 1), (Preset::Best, 4)] {
             let jury = Jury::of(preset);
-            let rounds: Vec<&Judge> = jury.rounds(true).collect();
+            let rounds: Vec<&Judge> = jury.rounds().collect();
             assert_eq!(rounds.len(), 2 + again, "{preset}");
             assert!(!std::ptr::eq(rounds[0], rounds[1]));
             assert!(rounds[2..].iter().all(|&judge| std::ptr::eq(judge, rounds[1])));
-            assert_eq!(jury.rounds(false).count(), 1);
         }
     }
 }

@@ -462,7 +462,7 @@ mod tests {
                 let jury = Jury::of(preset);
                 // Every pixel is asked.
                 let reach = Reach { every: 1, ..*jury.reach };
-                let judge = (&reach, jury.rounds(false).next().expect("a first round"));
+                let judge = (&reach, jury.rounds().next().expect("a first round"));
                 let (out, _) = world.judged(Level::detect(), judge, 1);
                 let [before, after] = [&world.values, &out].map(wrong);
                 eprintln!("{preset}, texture {texture}: of {before} wrong pixels {after} are left");

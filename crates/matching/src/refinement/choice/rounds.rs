@@ -78,18 +78,18 @@ impl Choices {
         self.certainty.samples()
     }
 
-    /// Lets the pixels of `values`, a map without holes, choose, once or in all rounds. The reasons of
-    /// `map` are theirs; its disparities are overwritten.
+    /// Lets the pixels of `values`, a map without holes, choose, in so many rounds if the jury has as many.
+    /// The reasons of `map` are theirs; its disparities are overwritten.
     pub fn run(
         &mut self,
         level: Level,
-        further: bool,
+        rounds: usize,
         given: &Given<'_>,
         confidence: View<'_, f32>,
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
-        let Self { jury, certainty, next, moved, strip, workers, lesson } = self;
+        let Self { jury, certainty, next, moved, strip, workers, .. } = self;
         let reach = jury.reach;
         let (columns, rows) = values.size();
         workers.resize_with(rayon::current_num_threads(), Default::default);
@@ -100,21 +100,20 @@ impl Choices {
         certainty.reset(columns, rows, 0);
         let mut done = keep(confidence, certainty);
         let several = Strip::all(rows).count() > 1;
-        let mut rounds = 0;
-        for judge in jury.rounds(further) {
-            if rounds > 0 {
+        for (round, judge) in jury.rounds().take(rounds).enumerate() {
+            if round > 0 {
                 done = done + moved.find(level, other, values);
                 done = done + median_of_map(level, values, other);
                 std::mem::swap(values, other);
             }
             for rows in Strip::all(rows) {
                 // What is seen of the images stays.
-                if rounds == 0 || several {
+                if round == 0 || several {
                     done = done + strip.look(level, given, reach, values.size(), &rows);
                 }
                 done = done + strip.slope(level, values);
                 let scene = Scene { values, reasons, certainty, strip, given };
-                let moved = (rounds > 0).then_some(&*moved);
+                let moved = (round > 0).then_some(&*moved);
                 let judge = (reach, judge);
                 done = done + choose(level, judge, &scene, moved, rows, workers, next, other);
             }
@@ -124,22 +123,31 @@ impl Choices {
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
             done = done + unconfirm(given, other, values, reasons);
-            rounds += 1;
-        }
-        if let Some(lesson) = lesson {
-            if rounds > 0 {
-                median_of_map(level, values, other);
-                std::mem::swap(values, other);
-            }
-            let pixels = lesson.pick(values);
-            for rows in Strip::all(rows) {
-                strip.look(level, given, reach, values.size(), &rows);
-                strip.slope(level, values);
-                let scene = Scene { values, reasons, certainty, strip, given };
-                lesson.learn(level, &scene, reach, &pixels, &rows);
-            }
         }
         done
+    }
+
+    /// Learns, where there is a lesson, from what is known after these rounds.
+    pub fn learn(
+        &mut self,
+        level: Level,
+        given: &Given<'_>,
+        values: &mut Plane<f32>,
+        map: &mut ViewMap,
+    ) {
+        let Self { jury, certainty, strip, lesson: Some(lesson), .. } = self else { return };
+        let ViewMap { values: other, reasons, .. } = map;
+        if jury.rounds().next().is_some() {
+            median_of_map(level, values, other);
+            std::mem::swap(values, other);
+        }
+        let pixels = lesson.pick(values);
+        for rows in Strip::all(values.rows()) {
+            strip.look(level, given, jury.reach, values.size(), &rows);
+            strip.slope(level, values);
+            let scene = Scene { values, reasons, certainty, strip, given };
+            lesson.learn(level, &scene, jury.reach, &pixels, &rows);
+        }
     }
 }
 
