@@ -30,8 +30,8 @@ impl RightChoices {
         (2 * size_of::<u8>() + 2 * size_of::<f32>()) * width * rows
     }
 
-    /// Lets the pixels of the right view choose, once or in more rounds. Both views are checked against
-    /// each other and filled; `confidence` is that of the left one, in rows of the image.
+    /// Lets the pixels of the right view choose, once or in more rounds, into its map. Both views are checked
+    /// against each other and filled; `confidence` is that of the left one, in rows of the image.
     pub fn run(
         &mut self,
         search: Search<'_>,
@@ -66,6 +66,9 @@ impl RightChoices {
         let rounds = if further { ROUNDS } else { 1 };
         let View { map, filled, .. } = right;
         let chosen = choices.run(level, rounds, &given, self.confidence.view(), filled, map);
+        // Rounds leave either plane in the other's memory. The map's is that of the answer, and larger
+        // than the part that is matched: it has to come back.
+        std::mem::swap(filled, &mut map.values);
         // Both images are read and written; of either view the disparities are read, of the right one
         // reasons too, and of the left one's confidence, which is written for the right one.
         chosen + Work::bytes((2 * 2 + 2 * 4 + 4 + 1 + 2 * 4) * width * rows)

@@ -294,10 +294,9 @@ impl SemiGlobalMatching {
     fn choose(&mut self, search: Search<'_>, confidence: &mut [f32], profile: &mut Profile) {
         let Search { ingredients, level, grey, work, width, range, .. } = search;
         let further = ingredients.has(Ingredient::FurtherChoices);
-        let both = ingredients.has(Ingredient::RightChoices);
-        if both {
-            let (choices, views) = (&mut self.choices, (&self.left, &mut self.right));
-            let (left, right) = views;
+        if ingredients.has(Ingredient::RightChoices) {
+            let (left, right) = (&self.left, &mut self.right);
+            let choices = &mut self.choices;
             let done = self.right_choices.run(search, further, choices, left, confidence, right);
             profile.end("choices in the right view", done);
         }
@@ -306,7 +305,7 @@ impl SemiGlobalMatching {
         let given = Given {
             doubtful: &self.doubtful,
             grey,
-            right: if both { &self.right.filled } else { &self.right.map.values },
+            right: &self.right.map.values,
             first: work.x0,
             top: work.y0,
             least: range.min() as f32,
