@@ -23,10 +23,6 @@ pub enum Ingredient {
     LastSurfaceRun,
     /// The fraction of a pixel.
     SubPixel,
-    /// Planes from the neighbourhood by adaptive support weights.
-    SupportWeights,
-    /// The same in the right view.
-    RightSupportWeights,
     /// Winners that another disparity comes near to taken out.
     Uniqueness,
     /// The check against the right view.
@@ -69,7 +65,7 @@ const BALANCED: [Ingredient; 13] = [
 ];
 
 /// All of them but `Interpolation`: what it closes judges close better.
-const BEST: [Ingredient; 18] = [
+const BEST: [Ingredient; 16] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
@@ -78,8 +74,6 @@ const BEST: [Ingredient; 18] = [
     LastSurfaceRun,
     SubPixel,
     Uniqueness,
-    SupportWeights,
-    RightSupportWeights,
     LeftRightCheck,
     SpeckleFilter,
     PlaneFill,
@@ -150,16 +144,6 @@ impl Ingredient {
                 "the fraction of a pixel from three sums of the paths",
                 "whole disparities from the paths",
             ),
-            SupportWeights => (
-                "support-weights",
-                "planes from the neighbourhood, judged by adaptive support weights",
-                "the disparities of the paths",
-            ),
-            RightSupportWeights => (
-                "right-support-weights",
-                "the same in the right view",
-                "the left view is checked against the paths' right one",
-            ),
             Uniqueness => (
                 "uniqueness",
                 "winners whose sum another disparity's comes within 2 of go out",
@@ -193,7 +177,7 @@ impl Ingredient {
             RightChoices => (
                 "right-choices",
                 "the right view chooses first, once by each judge: what it says at a match is a hint",
-                "the hint is the right view as it was sharpened",
+                "the hint is the right view of the paths",
             ),
             FurtherChoices => (
                 "further-choices",
@@ -287,7 +271,7 @@ mod tests {
         let set = Ingredients::of(Preset::Balanced, &[Median]);
         assert!(set.has(Gradient) && !set.has(Median) && !set.has(SurfacePrior));
         let set = Ingredients::of(Preset::Best, &[SurfacePrior]);
-        assert!(set.has(SupportWeights) && set.has(Descriptors) && !set.has(SurfacePrior));
+        assert!(set.has(RightChoices) && set.has(Descriptors) && !set.has(SurfacePrior));
     }
 
     #[test]

@@ -254,7 +254,7 @@ fn a_limit_to_the_memory_changes_nothing() {
 fn a_profile_names_the_stages_with_their_work_and_adds_up() {
     let folder = Folder::with_pair(300, 100);
     for (matcher, stage) in
-        [("fast", "windows"), ("balanced", "eight paths"), ("best", "support weights")]
+        [("fast", "windows"), ("balanced", "eight paths"), ("best", "choices in the right view")]
     {
         let outcome = folder
             .run(&format!("match left.png right.png -o d.pfm -d 12 -m {matcher} --profile"))

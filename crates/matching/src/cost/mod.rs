@@ -2,7 +2,6 @@
 
 pub(crate) mod absolute_difference;
 pub(crate) mod census_gradient;
-pub(crate) mod looks;
 
 use std::ops::Range;
 

@@ -12,7 +12,6 @@ use crate::ingredient::{Ingredient, Ingredients};
 use crate::matcher::Frame;
 use crate::optimization::bands::{Bands, Volume};
 use crate::optimization::semi_global::SemiGlobal;
-use crate::optimization::support_weights::SupportWeights;
 use crate::prepare::alignment::Alignment;
 use crate::prepare::descriptor::Descriptors;
 use crate::refinement::choice::{Choices, Jury};
@@ -90,35 +89,26 @@ impl Needs {
         // Disparities and reasons of the left view, its fixed point and groups. The right view has
         // the memory of the answer.
         let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
-        let (prior, support_weights, choice) = (
-            ingredients.has(Ingredient::SurfacePrior),
-            ingredients.has(Ingredient::SupportWeights),
-            ingredients.has(Ingredient::LearnedChoice),
-        );
+        let prior = ingredients.has(Ingredient::SurfacePrior);
+        let choice = ingredients.has(Ingredient::LearnedChoice);
         let right_choice = choice && ingredients.has(Ingredient::RightChoices);
-        let filled = if prior || support_weights || choice { 4 * part } else { 0 };
+        let filled = if prior || choice { 4 * part } else { 0 };
         let prior = match prior {
             false => 0,
             // A surface per pixel and cell.
             true => 12 * (part + columns.div_ceil(4) * lines.div_ceil(4)),
         };
-        // Looks, per view its own and those of the other; slopes of either.
-        let seen = if support_weights { (4 * 3 + 8) * wide } else { 0 };
-        let support_weights = match support_weights {
+        let right = match right_choice {
             false => 0,
-            // Both views smoothed.
-            true => 4 * (part + wide) + SupportWeights::bytes(width, lines, space.count),
+            // The right view filled, its reasons, fixed point and groups.
+            true => {
+                (4 + 1 + 2) * wide + Groups::bytes(width, lines) + RightChoices::bytes(width, lines)
+            }
         };
-        // The right view filled, its reasons, fixed point and groups.
-        let right = match support_weights > 0 || right_choice {
-            false => 0,
-            true => (4 + 1 + 2) * wide + Groups::bytes(width, lines),
-        };
-        let right_choice = if right_choice { RightChoices::bytes(width, lines) } else { 0 };
         // In the right view all columns choose.
-        let chosen = if right_choice > 0 { width } else { columns };
+        let chosen = if right_choice { width } else { columns };
         let choice = if choice { Choices::bytes(jury, (chosen, lines), width) } else { 0 };
-        let refined = filled + seen + support_weights + right + right_choice + choice;
+        let refined = filled + right + choice;
         let stages = images + flat + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }

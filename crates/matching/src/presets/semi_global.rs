@@ -14,13 +14,11 @@ use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
 use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
-use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
-use crate::optimization::support_weights::SupportWeights;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::{Alignment, VerticalDisparity};
 use crate::prepare::grey::GreyBuffer;
@@ -28,7 +26,6 @@ use crate::prepare::noise::{self, noise};
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::plane_fill::fill;
-use crate::refinement::slopes::Slopes;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
@@ -75,10 +72,6 @@ pub(crate) struct SemiGlobalMatching {
     /// The left view, and the right one as it looks in a mirror.
     left: View,
     right: View,
-    /// The looks of the other image, for each view.
-    others: [Looks; 2],
-    slopes: Slopes,
-    weights: SupportWeights,
     right_choices: RightChoices,
     choices: Choices,
     /// Rows of medians, one for each thread.
@@ -120,9 +113,6 @@ impl SemiGlobalMatching {
             winners: Default::default(),
             left: View::default(),
             right: View::default(),
-            others: Default::default(),
-            slopes: Slopes::default(),
-            weights: SupportWeights::default(),
             right_choices: RightChoices::default(),
             choices: Choices::new(Jury::of(preset)),
             medians: Vec::new(),
@@ -260,33 +250,6 @@ impl SemiGlobalMatching {
             done = done + self.right.check(search, &self.left.filled, self.left.map.first);
         }
         profile.end(CHECK, done);
-    }
-
-    /// Sharpens both views, or the left one alone: each takes planes from its neighbourhood.
-    fn sharpen(&mut self, search: Search<'_>, profile: &mut Profile) {
-        let both = search.ingredients.has(Ingredient::RightSupportWeights);
-        self.check(search, both, profile);
-        let [other_of_left, other_of_right] = &self.others;
-        let (slopes, weights) = (&mut self.slopes, &mut self.weights);
-        let mut done = self.left.refine(search, other_of_left, slopes, weights);
-        if both {
-            done = done + self.right.refine(search, other_of_right, slopes, weights);
-        }
-        profile.end("support weights, with their fill", done);
-    }
-
-    /// Looks at both images, in a mirror too where the right view is sharpened.
-    fn look(&mut self, search: Search<'_>) -> Work {
-        let Search { ingredients, level, work, grey, .. } = search;
-        let [other_of_left, other_of_right] = &mut self.others;
-        let mut done = self.left.looks.compute(level, grey[0], work.y0, work.rows())
-            + other_of_left.compute(level, grey[1], work.y0, work.rows());
-        if ingredients.has(Ingredient::RightSupportWeights) {
-            done = done
-                + other_of_left.mirrored(&mut self.right.looks)
-                + self.left.looks.mirrored(other_of_right);
-        }
-        done
     }
 
     /// Lets pixels of the left view, which is filled, choose planes around them, before it those of the
@@ -470,11 +433,6 @@ impl Pipeline for SemiGlobalMatching {
                 if ingredients.has(Ingredient::LastSurfaceRun) {
                     self.follow_surfaces(&space, search, confidence, profile);
                 }
-            }
-            if ingredients.has(Ingredient::SupportWeights) {
-                let looked = self.look(search);
-                profile.end("looks", looked);
-                self.sharpen(search, profile);
             }
             if !ingredients.has(Ingredient::PathMargin) {
                 self.trust_agreement(width, confidence);

@@ -1,20 +1,15 @@
 //! One view of a pair, and what is done to it after matching: checked against the other view, cleared
-//! of speckles, filled, sharpened.
+//! of speckles, in fixed point.
 
 use raster::{BoundingBox, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
-use crate::cost::looks::Looks;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::Penalties;
-use crate::optimization::support_weights::{Pair, SupportWeights};
 use crate::profile::Work;
 use crate::refinement::groups::Groups;
-use crate::refinement::median::median_of_map;
-use crate::refinement::plane_fill::fill;
-use crate::refinement::slopes::Slopes;
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_steps};
 
@@ -46,8 +41,6 @@ pub(super) struct Search<'a> {
 pub(super) struct View {
     pub map: ViewMap,
     pub filled: Plane<f32>,
-    smooth: Plane<f32>,
-    pub looks: Looks,
     groups: Groups,
     /// The map in fixed point.
     pub steps: Plane<u16>,
@@ -95,29 +88,6 @@ impl View {
             *reason = if value.is_nan() { Reason::OccludedHole } else { Reason::Matched };
         }
         Work::bytes(size_of_val(values.samples()) + size_of_val(reasons.samples()))
-    }
-
-    /// Fills the holes and lets every pixel take a neighbour's plane. The map has no holes after.
-    pub fn refine(
-        &mut self,
-        search: Search<'_>,
-        other: &Looks,
-        slopes: &mut Slopes,
-        weights: &mut SupportWeights,
-    ) -> Work {
-        let Search { ingredients, level, width, range, .. } = search;
-        let filled = fill(ingredients, level, width, range, &mut self.map, &mut self.filled);
-        let smoothed = median_of_map(level, &self.filled, &mut self.smooth);
-        let pair = Pair {
-            base: &self.looks,
-            other,
-            first: self.map.first,
-            least: range.min(),
-            most: range.max(),
-        };
-        let sloped = slopes.compute(level, &self.smooth);
-        let refined = weights.refine(level, &pair, &self.smooth, slopes, &mut self.map.values);
-        filled + smoothed + sloped + refined
     }
 }
 

@@ -7,7 +7,7 @@
 use raster::Plane;
 use rayon::prelude::*;
 
-use crate::cost::looks::Looks;
+use super::looks::Looks;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 

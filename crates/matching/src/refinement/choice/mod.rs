@@ -19,9 +19,11 @@ mod edges;
 mod judge;
 mod jury;
 mod lesson;
+mod looks;
 mod moved;
 mod reach;
 mod rounds;
+mod slopes;
 mod strip;
 mod windows;
 

@@ -7,12 +7,12 @@ use raster::Plane;
 
 use super::block::Given;
 use super::edges::Edges;
+use super::looks::Looks;
 use super::reach::Reach;
+use super::slopes::Slopes;
 use super::windows::APART;
-use crate::cost::looks::Looks;
 use crate::kernels::level::Level;
 use crate::profile::Work;
-use crate::refinement::slopes::Slopes;
 
 /// At least so many rows are worked on at once, and less than twice as many.
 const LEAST: usize = 192;
@@ -74,7 +74,7 @@ impl Strip {
     /// Finds the slopes of the map in the rows that were looked at.
     pub fn slope(&mut self, level: Level, values: &Plane<f32>) -> Work {
         let rows = self.top..self.top + self.base.rows();
-        self.slopes.compute_rows(level, values, rows)
+        self.slopes.compute(level, values, rows)
     }
 
     /// Where row `y` of the map lies in it.
@@ -114,7 +114,7 @@ mod tests {
         let level = Level::detect();
         let (mut slopes, mut edges) = (Slopes::default(), Edges::default());
         let mut looks = [Looks::default(), Looks::default()];
-        slopes.compute(level, &part);
+        slopes.compute(level, &part, 0..rows);
         for (looks, grey) in looks.iter_mut().zip(given.grey) {
             looks.compute(level, grey, TOP, rows);
         }

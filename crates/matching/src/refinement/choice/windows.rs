@@ -5,7 +5,7 @@
 //! the eight. Beyond the ends of an image its pixels are repeated.
 
 use super::block::{LANES, Lanes};
-use crate::cost::looks::{LARGEST_STEP, Looks};
+use super::looks::Looks;
 use crate::kernels::level::{Level, at_every_level};
 
 /// The pixels of a window stand so far apart.
@@ -18,6 +18,8 @@ pub(super) const BITS: u32 = 9 * 8;
 const STEP_BYTES: u64 = 0xffff_ffff_ff00;
 /// A word times this has the sum of its bytes in its highest one.
 const ONES: u64 = 0x0101_0101_0101_0101;
+/// Differences of two steps count up to this.
+const LARGEST_STEP: u8 = 20;
 /// Where a grey value does not change along its row.
 const FLAT: u8 = 128;
 /// Steps beyond this are as much texture as this.

@@ -29,12 +29,8 @@ pub(crate) struct Slopes {
 }
 
 impl Slopes {
-    pub fn compute(&mut self, level: Level, values: &Plane<f32>) -> Work {
-        self.compute_rows(level, values, 0..values.rows())
-    }
-
     /// The slopes of some rows of a map.
-    pub fn compute_rows(&mut self, level: Level, values: &Plane<f32>, rows: Range<usize>) -> Work {
+    pub fn compute(&mut self, level: Level, values: &Plane<f32>, rows: Range<usize>) -> Work {
         let columns = values.columns();
         self.along.reset(columns, rows.len(), 0.0);
         self.down.reset(columns, rows.len(), 0.0);
@@ -53,9 +49,9 @@ at_every_level! {
     fn slopes_of_row(values: &Plane<f32>, y: usize, along: &mut [f32], down: &mut [f32]) {
         for x in (0..along.len()).step_by(BLOCK) {
             let size = BLOCK.min(along.len() - x);
-            let [wide, high] = differences(values, x, y, size);
-            for (slopes, differences) in [(&mut *along, wide), (&mut *down, high)] {
-                let medians = medians_of_block(differences);
+            let [wide, high] = slopes_around(values, x, y, size);
+            for (slopes, around) in [(&mut *along, wide), (&mut *down, high)] {
+                let medians = medians_of_block(around);
                 for (slope, median) in slopes[x..x + size].iter_mut().zip(medians) {
                     *slope = f32::from(median) * (1.0 / STEPS);
                 }
@@ -75,7 +71,7 @@ fn slope(difference: f32) -> i16 {
 
 /// The slopes along and down the map in the windows of so many pixels from `(x, y)` on.
 #[inline(always)]
-fn differences(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median::Rows<i16>; 2] {
+fn slopes_around(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median::Rows<i16>; 2] {
     let (columns, rows) = values.size();
     let [mut wide, mut high] = [[[0; BLOCK + 4]; 5]; 2];
     let inner = x >= 4 && x + BLOCK + 4 <= columns;
