@@ -37,7 +37,8 @@ pub(crate) trait Pipeline: Send {
         None
     }
 
-    /// Answers every pixel of `frame.bounds` in `map`, which arrives empty and of the right size.
+    /// Answers every pixel of `frame.bounds` in `map`, which arrives in the right size and is empty
+    /// outside that box: inside it every value, reason and confidence is written, whatever stood there.
     /// Holes are filled, with reasons that say so. `profile` is told when a stage has ended, and what
     /// it did.
     fn run(
@@ -167,7 +168,7 @@ impl Matcher {
                 }
             }
             profile.begin();
-            map.reset(columns, rows);
+            map.reshape(columns, rows, bounds);
             pipeline.run(&frame, map, profile)
         })?;
         if self.options.holes == Holes::Keep {
@@ -195,6 +196,13 @@ mod tests {
         matcher.profile().to_vec()
     }
 
+    /// The bits of a map, so that what has no value is equal to itself.
+    fn bits(map: &DisparityMap) -> Vec<(u32, Reason, u32)> {
+        let rest = map.reasons.samples().iter().zip(map.confidence.samples());
+        let all = map.values.samples().iter().zip(rest);
+        all.map(|(value, (reason, sure))| (value.to_bits(), *reason, sure.to_bits())).collect()
+    }
+
     #[test]
     fn a_frame_is_answered_alike_whatever_came_before() {
         // Cards before a wall: holes and edges.
@@ -207,17 +215,33 @@ mod tests {
                 }))
             })
         };
-        for preset in Preset::ALL {
-            let mut options = Options::new(preset, DisparityRange::new(0, 15).unwrap());
+        // Seven columns have nothing to search from disparity 10 on.
+        for (preset, least) in
+            Preset::ALL.into_iter().flat_map(|preset| [(preset, 0), (preset, 10)])
+        {
+            let range = DisparityRange::new(least, least + 15).unwrap();
+            let mut options = Options::new(preset, range);
             options.threads = 1;
             let matcher = || Matcher::new(options.clone()).unwrap();
             let mut kept = matcher();
-            for (columns, rows) in [(150, 40), (40, 60), (7, 5), (90, 300)] {
+            let part = |x0, y0, x1, y1| BoundingBox::new(x0, y0, x1, y1).ok();
+            for (columns, rows, bounds) in [
+                (150, 40, None),
+                (150, 40, part(60, 3, 140, 30)),
+                (40, 60, None),
+                (7, 5, None),
+                (90, 300, None),
+                (90, 300, part(0, 20, 50, 299)),
+                (90, 300, part(70, 0, 89, 250)),
+            ] {
                 let [left, right] = frame(columns, rows);
-                let map = kept.compute(&left, &right, None).unwrap();
+                let map = kept.compute(&left, &right, bounds).unwrap();
                 let mut fresh = matcher();
-                let expected = fresh.compute(&left, &right, None).unwrap();
-                assert!(map == expected, "{preset}, {columns} x {rows}");
+                let expected = fresh.compute(&left, &right, bounds).unwrap();
+                assert!(
+                    bits(map) == bits(expected),
+                    "{preset} from {least}, {columns} x {rows}, {bounds:?}"
+                );
             }
         }
     }

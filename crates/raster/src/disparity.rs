@@ -1,6 +1,6 @@
 //! What a matcher answers: per pixel a disparity, the reason for it, and how sure it is.
 
-use crate::Plane;
+use crate::{BoundingBox, Plane};
 
 /// Why a pixel has the value it has, or none. Stored as one byte per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -92,11 +92,15 @@ impl DisparityMap {
         }
     }
 
-    /// As [`DisparityMap::empty`], reusing the memory of this map.
-    pub fn reset(&mut self, columns: usize, rows: usize) {
-        self.values.reset(columns, rows, f32::NAN);
-        self.reasons.reset(columns, rows, Reason::OutsideBox);
-        self.confidence.reset(columns, rows, 0.0);
+    /// As [`DisparityMap::empty`], reusing the memory of this map, for someone who writes every pixel
+    /// of a box: what stands there is left as it is, whatever it meant.
+    pub fn reshape(&mut self, columns: usize, rows: usize, bounds: BoundingBox) {
+        self.values.reshape(columns, rows, f32::NAN);
+        self.reasons.reshape(columns, rows, Reason::OutsideBox);
+        self.confidence.reshape(columns, rows, 0.0);
+        self.values.fill_around(bounds, f32::NAN);
+        self.reasons.fill_around(bounds, Reason::OutsideBox);
+        self.confidence.fill_around(bounds, 0.0);
     }
 }
 

@@ -5,6 +5,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::BoundingBox;
+
 /// The number of samples does not fit the size.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SizeError {
@@ -138,6 +140,30 @@ impl<T: Clone> Plane<T> {
         self.samples.reserve_exact(columns * rows);
         self.samples.resize(columns * rows, value);
     }
+
+    /// Makes this a plane of `columns x rows` for someone who writes all of it: samples that it had are
+    /// left as they are, whatever they meant, and new ones have the `value`. Memory is kept as by
+    /// [`Plane::reset`].
+    pub fn reshape(&mut self, columns: usize, rows: usize, value: T) {
+        self.columns = columns;
+        self.rows = rows;
+        let needed = columns * rows;
+        self.samples.reserve_exact(needed.saturating_sub(self.samples.len()));
+        self.samples.resize(needed, value);
+    }
+
+    /// Writes the same `value` everywhere outside a box, which lies in the plane.
+    pub fn fill_around(&mut self, bounds: BoundingBox, value: T) {
+        for y in 0..self.rows {
+            let row = self.row_mut(y);
+            if (bounds.y0..=bounds.y1).contains(&y) {
+                row[..bounds.x0].fill(value.clone());
+                row[bounds.x1 + 1..].fill(value.clone());
+            } else {
+                row.fill(value.clone());
+            }
+        }
+    }
 }
 
 /// A rectangle of samples that belong to someone else, with `stride` samples from row to row.
@@ -267,5 +293,21 @@ mod tests {
         plane.reset(4, 4, 7);
         assert_eq!((plane.size(), plane.samples().as_ptr()), ((4, 4), before));
         assert!(plane.samples().iter().all(|&s| s == 7));
+    }
+
+    #[test]
+    fn around_a_box_there_is_one_value() {
+        let mut plane = Plane::filled(4, 3, 1u8);
+        plane.fill_around(BoundingBox::new(1, 1, 2, 2).unwrap(), 0);
+        assert_eq!(plane.samples(), [0, 0, 0, 0, 0, 1, 1, 0, 0, 1, 1, 0]);
+    }
+
+    #[test]
+    fn reshape_writes_only_what_is_new() {
+        let mut plane = Plane::new(2, 2, vec![1u8, 2, 3, 4]).unwrap();
+        plane.reshape(3, 1, 7);
+        assert_eq!((plane.size(), plane.samples()), ((3, 1), &[1, 2, 3][..]));
+        plane.reshape(1, 5, 7);
+        assert_eq!((plane.size(), plane.samples()), ((1, 5), &[1, 2, 3, 7, 7][..]));
     }
 }

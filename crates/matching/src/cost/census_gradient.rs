@@ -121,8 +121,8 @@ impl Features {
         place: Place,
     ) -> Work {
         let width = image.size().0;
-        self.words.reset(columns, rows, 0);
-        self.steps.reset(columns, rows, 0);
+        self.words.reshape(columns, rows, 0);
+        self.steps.reshape(columns, rows, 0);
         let height = rows.div_ceil(rayon::current_num_threads());
         self.scratch.resize_with(rows.div_ceil(height), Scratch::default);
         let words = self.words.samples_mut().par_chunks_mut(columns * height);
@@ -154,7 +154,7 @@ impl Features {
         network: &mut Descriptors,
     ) -> Work {
         let (columns, rows) = self.words.size();
-        self.descriptors.reset(columns, rows, 0);
+        self.descriptors.reshape(columns, rows, 0);
         let put = |words: &[u64], out: &mut [u64]| place.put(words, out);
         network.compute(level, image, first, &mut self.descriptors, put)
             + Work::bytes(size_of_val(self.descriptors.samples()))

@@ -40,7 +40,7 @@ impl SurfacePrior {
     pub fn fit(&mut self, level: Level, checked: &Plane<f32>, filled: &Plane<f32>) -> Work {
         let (columns, rows) = checked.size();
         let across = columns.div_ceil(CELL);
-        self.cells.reset(across, rows.div_ceil(CELL), Surface::default());
+        self.cells.reshape(across, rows.div_ceil(CELL), Surface::default());
         let middle = |cell: usize, end: usize| (cell * CELL + CELL / 2).min(end - 1);
         self.cells.samples_mut().par_chunks_mut(across).enumerate().for_each(|(v, cells)| {
             let y = middle(v, rows);
@@ -51,7 +51,7 @@ impl SurfacePrior {
                 *cell = if hole { nothing } else { Surface::fit::<FINE>(level, checked, x, y) };
             }
         });
-        self.surfaces.reset(columns, rows, Surface::default());
+        self.surfaces.reshape(columns, rows, Surface::default());
         let cells = &self.cells;
         self.surfaces.samples_mut().par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
             let cells = cells.row(y / CELL);

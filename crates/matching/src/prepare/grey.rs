@@ -4,6 +4,7 @@
 //! exactly as [`Image::to_grey`] does, but into memory that is kept between frames.
 
 use raster::{Image, Plane, View};
+use rayon::prelude::*;
 
 use crate::profile::Work;
 
@@ -83,10 +84,9 @@ impl GreyBuffer {
         let bits = match grey {
             GreyView::Depth8(view) => view,
             GreyView::Depth16(view) => {
-                upper.reset(view.columns(), view.rows(), 0);
-                for y in 0..view.rows() {
-                    upper_bits(view.row(y), upper.row_mut(y));
-                }
+                upper.reshape(view.columns(), view.rows(), 0);
+                let rows = upper.samples_mut().par_chunks_mut(view.columns()).enumerate();
+                rows.for_each(|(y, to)| upper_bits(view.row(y), to));
                 upper.view()
             }
         };
@@ -110,17 +110,23 @@ fn grey<'a>(
         Image::Grey8(plane) => GreyView::Depth8(plane.view()),
         Image::Grey16(plane) => GreyView::Depth16(plane.view()),
         Image::Rgb8(plane) => {
-            depth8.reset(columns, rows, 0);
-            for (grey, c) in depth8.samples_mut().iter_mut().zip(plane.samples()) {
-                *grey = luma(c.map(u32::from)) as u8;
-            }
+            depth8.reshape(columns, rows, 0);
+            let rows = depth8.samples_mut().par_chunks_mut(columns);
+            rows.zip(plane.samples().par_chunks(columns)).for_each(|(grey, colours)| {
+                for (grey, c) in grey.iter_mut().zip(colours) {
+                    *grey = luma(c.map(u32::from)) as u8;
+                }
+            });
             GreyView::Depth8(depth8.view())
         }
         Image::Rgb16(plane) => {
-            depth16.reset(columns, rows, 0);
-            for (grey, c) in depth16.samples_mut().iter_mut().zip(plane.samples()) {
-                *grey = luma(c.map(u32::from)) as u16;
-            }
+            depth16.reshape(columns, rows, 0);
+            let rows = depth16.samples_mut().par_chunks_mut(columns);
+            rows.zip(plane.samples().par_chunks(columns)).for_each(|(grey, colours)| {
+                for (grey, c) in grey.iter_mut().zip(colours) {
+                    *grey = luma(c.map(u32::from)) as u16;
+                }
+            });
             GreyView::Depth16(depth16.view())
         }
     }

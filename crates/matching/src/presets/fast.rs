@@ -65,7 +65,7 @@ impl Fast {
         let (columns, rows) = (frame.bounds.columns(), frame.bounds.rows());
         let space = SearchSpace::new(frame.size().0, frame.bounds, frame.range);
         let numbers = FixedPoint::new(&space);
-        self.disparities.reset(columns, rows, HOLE);
+        self.disparities.reshape(columns, rows, HOLE);
         self.bands.resize_with(rows.div_ceil(height), Band::default);
         let mut gaps = Work::default();
         if space.count > 0 {
@@ -75,6 +75,11 @@ impl Fast {
             let work = self.groups.find(self.level, disparities, columns, step, height);
             profile.end("speckles", work);
             gaps = self.fill_gaps(frame, numbers, height, map);
+        } else {
+            self.disparities.samples_mut().fill(HOLE);
+            rows_of_box(frame, &mut map.confidence)
+                .chunks_exact_mut(frame.size().0)
+                .for_each(|row| row[frame.bounds.x0..=frame.bounds.x1].fill(0.0));
         }
         let any = self.fill_empty_rows(frame, numbers, map);
         profile.end("gaps", gaps);
@@ -334,7 +339,7 @@ mod tests {
             let [left, right] = scene(columns, rows);
             let bounds = BoundingBox::whole(columns, rows);
             let frame = Frame { left: &left, right: &right, bounds, range };
-            found.reset(columns, rows);
+            found.reshape(columns, rows, bounds);
             reused.run_in_bands(&frame, 7, &mut found, &mut Profile::new()).unwrap();
             let expected = map(Level::detect(), &frame, 7, 1);
             assert!(bits(&found) == bits(&expected), "{columns} x {rows}");

@@ -47,7 +47,7 @@ impl RightChoices {
         mirror(search.grey[1], work.y0, rows, right_image);
         mirror(search.grey[0], work.y0, rows, left_image);
         widen(&left.filled, work.x0, width, &mut self.left);
-        self.confidence.reset(width, rows, 0.0);
+        self.confidence.reshape(width, rows, 0.0);
         let of_rows = self.confidence.samples_mut().par_chunks_mut(width).enumerate();
         of_rows.for_each(|(y, to)| {
             let pixels = right.filled.row(y).iter().zip(right.map.reasons.row(y));
@@ -77,7 +77,7 @@ impl RightChoices {
 
 /// Rows `first..first + rows` of an image in a mirror.
 fn mirror(image: raster::View<'_, u8>, first: usize, rows: usize, out: &mut Plane<u8>) {
-    out.reset(image.columns(), rows, 0);
+    out.reshape(image.columns(), rows, 0);
     let of_rows = out.samples_mut().par_chunks_mut(image.columns()).enumerate();
     of_rows.for_each(|(y, to)| {
         to.copy_from_slice(image.row(first + y));
@@ -87,7 +87,7 @@ fn mirror(image: raster::View<'_, u8>, first: usize, rows: usize, out: &mut Plan
 
 /// A map that begins at column `first` of an image of a width; beyond its ends its rows are repeated.
 fn widen(map: &Plane<f32>, first: usize, width: usize, out: &mut Plane<f32>) {
-    out.reset(width, map.rows(), 0.0);
+    out.reshape(width, map.rows(), 0.0);
     let of_rows = out.samples_mut().par_chunks_mut(width).enumerate();
     of_rows.for_each(|(y, to)| {
         let (row, end) = (map.row(y), first + map.columns());

@@ -241,7 +241,7 @@ impl SemiGlobalMatching {
         let View { map, filled: unchecked, .. } = &mut self.left;
         let mut done = Work::default();
         if both {
-            unchecked.reset(map.values.columns(), map.values.rows(), 0.0);
+            unchecked.reshape(map.values.columns(), map.values.rows(), 0.0);
             unchecked.samples_mut().copy_from_slice(map.values.samples());
             done = Work::bytes(2 * size_of_val(unchecked.samples()));
         }
@@ -330,19 +330,6 @@ impl SemiGlobalMatching {
         let median = if ingredients.has(Ingredient::Median) { median::OPERATIONS } else { 0 };
         let pixel = Work::bytes(2 + 4) + Work::operations(median);
         pixel * (bounds.columns() * bounds.rows())
-    }
-}
-
-/// Leaves a plane's box as it is, and fills the rest.
-fn fill_around(plane: &mut Plane<f32>, bounds: BoundingBox, value: f32) {
-    for y in 0..plane.rows() {
-        let row = plane.row_mut(y);
-        if (bounds.y0..=bounds.y1).contains(&y) {
-            row[..bounds.x0].fill(value);
-            row[bounds.x1 + 1..].fill(value);
-        } else {
-            row.fill(value);
-        }
     }
 }
 
@@ -439,7 +426,9 @@ impl Pipeline for SemiGlobalMatching {
             }
             self.check(search, chooses && ingredients.has(Ingredient::RightChoices), profile);
         } else {
+            self.left.map.values.samples_mut().fill(f32::NAN);
             self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
+            map.confidence.samples_mut().fill(0.0);
         }
         let filled = match chooses {
             true => &mut self.left.filled,
@@ -456,17 +445,21 @@ impl Pipeline for SemiGlobalMatching {
             self.choose(search, confidence, profile);
         }
         let filled = if chooses { &self.left.filled } else { &self.right.map.values };
-        let mut medians = in_steps(level, search.numbers, filled, &mut self.left.steps);
+        let stepped = in_steps(level, search.numbers, filled, &mut self.left.steps);
         // Without a search there is one value everywhere.
         let nowhere = filled.row(0)[0];
         map.values = std::mem::take(&mut self.right.map.values);
-        map.values.reset(width, height, nowhere);
-        if space.count > 0 {
-            medians = medians + self.smooth(search, bounds, &mut map.values);
-        }
-        profile.end("median", medians);
-        fill_around(&mut map.values, bounds, f32::NAN);
-        fill_around(&mut map.confidence, bounds, 0.0);
+        map.values.reshape(width, height, nowhere);
+        let medians = match space.count {
+            0 => {
+                map.values.samples_mut().fill(nowhere);
+                Work::default()
+            }
+            _ => self.smooth(search, bounds, &mut map.values),
+        };
+        profile.end("median", stepped + medians);
+        map.values.fill_around(bounds, f32::NAN);
+        map.confidence.fill_around(bounds, 0.0);
 
         let judged = chooses && ingredients.has(Ingredient::PathMargin);
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);

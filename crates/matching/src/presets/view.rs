@@ -49,7 +49,7 @@ pub(super) struct View {
 impl View {
     pub fn begin(&mut self, first: usize, columns: usize, rows: usize) {
         self.map.first = first;
-        self.map.values.reset(columns, rows, f32::NAN);
+        self.map.values.reshape(columns, rows, f32::NAN);
     }
 
     /// Takes out what the other view does not confirm, and small groups.
@@ -98,7 +98,7 @@ pub(super) fn in_steps(
     values: &Plane<f32>,
     steps: &mut Plane<u16>,
 ) -> Work {
-    steps.reset(values.columns(), values.rows(), 0);
+    steps.reshape(values.columns(), values.rows(), 0);
     let rows = steps.samples_mut().par_chunks_mut(values.columns()).enumerate();
     rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
     Work::bytes(size_of_val(values.samples()) + size_of_val(steps.samples()))

@@ -15,7 +15,7 @@ const BLOCK: usize = 64;
 /// The medians of a map without holes.
 pub(crate) fn median_of_map(level: Level, values: &Plane<f32>, out: &mut Plane<f32>) -> Work {
     let (columns, rows) = values.size();
-    out.reset(columns, rows, 0.0);
+    out.reshape(columns, rows, 0.0);
     let rows = out.samples_mut().par_chunks_mut(columns).enumerate();
     rows.for_each(|(y, out)| median_row(level, values, y, out));
     Work::bytes(2 * size_of_val(values.samples()))

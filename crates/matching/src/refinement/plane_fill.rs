@@ -120,7 +120,7 @@ pub(crate) fn fill(
     let interpolates = ingredients.has(Ingredient::Interpolation);
     let continues = ingredients.has(Ingredient::PlaneFill);
     let (columns, rows) = view.values.size();
-    out.reset(columns, rows, f32::NAN);
+    out.reshape(columns, rows, f32::NAN);
     let (first, values) = (view.first, &view.values);
     let (least, most) = (range.min() as f32, range.max() as f32);
     let reasons = view.reasons.samples_mut().par_chunks_mut(columns);

@@ -38,11 +38,12 @@ pub(crate) fn cross_check(
     other_first: usize,
 ) -> Work {
     let (columns, rows) = view.values.size();
-    view.reasons.reset(columns, rows, Reason::OccludedHole);
+    view.reasons.reshape(columns, rows, Reason::OccludedHole);
     let first = view.first;
     let rows = view.values.samples_mut().par_chunks_mut(columns);
     let rows = rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate();
     rows.for_each(|(y, (values, reasons))| {
+        reasons.fill(Reason::OccludedHole);
         check_row(level, width, (values, first), (other.row(y), other_first), reasons);
     });
     let ViewMap { values, reasons, .. } = view;

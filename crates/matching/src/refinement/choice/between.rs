@@ -34,37 +34,55 @@ pub(super) fn follow(
 ) -> Work {
     let (columns, rows) = values.size();
     let grey = |y: usize| &given.grey[0].row(given.top + y)[given.first..given.first + columns];
-    let pairs = out.samples_mut().par_chunks_mut(2 * columns);
-    let pairs = pairs.zip(certainty.samples_mut().par_chunks_mut(2 * columns)).enumerate();
-    pairs.for_each(|(i, (out, certainty))| {
-        let (before, grey) = (values.row(2 * i), grey(2 * i));
-        along_row(level, before, grey, &mut out[..columns], &mut certainty[..columns]);
+    let before = |y: usize| (values.row(y), grey(y));
+    // Bands of whole pairs of rows: one that was asked, one between it and the next.
+    let height = rows.div_ceil(rayon::current_num_threads()).next_multiple_of(2);
+    let bands = out.samples_mut().par_chunks_mut(height * columns);
+    let bands = bands.zip(certainty.samples_mut().par_chunks_mut(height * columns)).enumerate();
+    bands.for_each(|(i, (out, certainty))| {
+        let first = i * height;
+        let here = out.len() / columns;
+        for y in (0..here).step_by(2) {
+            let row = y * columns..(y + 1) * columns;
+            along_row(level, before(first + y), &mut out[row.clone()], &mut certainty[row]);
+        }
+        // The last row of a band may need the first one of the next.
+        let end = if first + here < rows { here - 1 } else { here };
+        for y in (1..end).step_by(2) {
+            between_rows(level, columns, y, |v| before(first + v), out, certainty);
+        }
     });
-    // Rows between two of which all pixels know.
-    for y in (1..rows).step_by(2) {
-        let (above, rest) = out.samples_mut().split_at_mut(y * columns);
-        let (out, below) = rest.split_at_mut(columns);
-        let (above_sure, rest) = certainty.samples_mut().split_at_mut(y * columns);
-        let (sure, below_sure) = rest.split_at_mut(columns);
-        let last = (y - 1) * columns;
-        let above = Row {
-            before: values.row(y - 1),
-            grey: grey(y - 1),
-            now: &above[last..],
-            certainty: &above_sure[last..],
-        };
-        let below = match y + 1 < rows {
-            false => above,
-            true => Row {
-                before: values.row(y + 1),
-                grey: grey(y + 1),
-                now: &below[..columns],
-                certainty: &below_sure[..columns],
-            },
-        };
-        between_rows(level, [above, below], values.row(y), grey(y), out, sure);
+    for y in (height - 1..rows - 1).step_by(height) {
+        between_rows(level, columns, y, before, out.samples_mut(), certainty.samples_mut());
     }
     Work::bytes((2 * 4 + 1) * columns * rows)
+}
+
+/// Lets row `y` of a band follow the rows around it, of which all pixels know. `before` gives the disparities
+/// of a row before, and its grey values.
+fn between_rows<'a>(
+    level: Level,
+    columns: usize,
+    y: usize,
+    before: impl Fn(usize) -> (&'a [f32], &'a [u8]),
+    out: &mut [f32],
+    certainty: &mut [u8],
+) {
+    let (above, rest) = out.split_at_mut(y * columns);
+    let (out, below) = rest.split_at_mut(columns);
+    let (above_sure, rest) = certainty.split_at_mut(y * columns);
+    let (sure, below_sure) = rest.split_at_mut(columns);
+    let last = (y - 1) * columns;
+    let (old, grey) = before(y - 1);
+    let above = Row { before: old, grey, now: &above[last..], certainty: &above_sure[last..] };
+    let below = match below.is_empty() {
+        true => above,
+        false => {
+            let (old, grey) = before(y + 1);
+            Row { before: old, grey, now: &below[..columns], certainty: &below_sure[..columns] }
+        }
+    };
+    between_two(level, [above, below], before(y), out, sure);
 }
 
 /// What a pixel follows: a neighbour's disparity before and now, its grey value and certainty.
@@ -128,8 +146,9 @@ fn put<T: Copy>(group: &[T; GROUP], row: &mut [T], at: usize) {
 }
 
 at_every_level! {
-    /// Every second pixel of a row, between two that were asked.
-    fn along_row(before: &[f32], grey: &[u8], out: &mut [f32], certainty: &mut [u8]) {
+    /// Every second pixel of a row, between two that were asked. `was` are its disparities before, and grey.
+    fn along_row(was: (&[f32], &[u8]), out: &mut [f32], certainty: &mut [u8]) {
+        let (before, grey) = was;
         let mut at = 0;
         while at + GROUP < out.len() {
             let ([one, other], old) = (pairs(before, at), betweens(before, at));
@@ -156,13 +175,13 @@ at_every_level! {
     }
 
     /// All pixels of a row between two.
-    fn between_rows(
+    fn between_two(
         rows: [Row<'_>; 2],
-        before: &[f32],
-        grey: &[u8],
+        was: (&[f32], &[u8]),
         out: &mut [f32],
         certainty: &mut [u8],
     ) {
+        let (before, grey) = was;
         for at in (0..out.len()).step_by(GROUP) {
             let [above, below] = rows;
             let old = [above.before, below.before, before].map(|row| group(row, at));
@@ -230,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_follows_alike_and_leaves_those_that_were_asked() {
+    fn every_level_and_number_of_threads_follows_alike_and_leaves_those_that_were_asked() {
         for (columns, rows) in [(1, 1), (2, 5), (37, 6), (100, 9)] {
             let mut chance = Chance(columns as u32);
             let mut noise = |most: f32| Plane::from_fn(columns, rows, |_, _| most * chance.share());
@@ -244,7 +263,12 @@ mod tests {
             }
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                assert!(follow_all(level, &grey, &values, (&asked, &sure)) == expected);
+                for threads in 1..=4 {
+                    let pool =
+                        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                    let found = pool.install(|| follow_all(level, &grey, &values, (&asked, &sure)));
+                    assert!(found == expected, "{columns} x {rows}, {threads} threads");
+                }
             }
         }
     }

@@ -50,10 +50,16 @@ impl Edges {
     pub fn compute(&mut self, level: Level, image: &Looks, first: usize, columns: usize) -> Work {
         let row = |y: usize| &image.row(y)[2][first..first + columns];
         self.0.par_iter_mut().enumerate().for_each(|(way, sums)| {
-            sums.reset(columns, image.rows(), 0);
+            sums.reshape(columns, image.rows(), 0);
             for y in 0..image.rows() {
                 let (above, sums) = sums.samples_mut().split_at_mut(y * columns);
                 let (grey, sums) = (row(y), &mut sums[..columns]);
+                // Where a way begins.
+                match way {
+                    _ if y == 0 => sums.fill(0),
+                    3 => sums[columns - 1] = 0,
+                    _ => sums[0] = 0,
+                }
                 if way == 0 {
                     let mut sum = 0u16;
                     for (sum_here, grey) in sums[1..].iter_mut().zip(grey.windows(2)) {

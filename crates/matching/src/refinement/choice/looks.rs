@@ -24,7 +24,7 @@ impl Looks {
         rows: usize,
     ) -> Work {
         let (columns, height) = (image.columns(), image.rows());
-        self.0.reset(3 * columns, rows, 0);
+        self.0.reshape(3 * columns, rows, 0);
         let looks = self.0.samples_mut().par_chunks_mut(3 * columns).enumerate();
         looks.for_each(|(y, looks)| {
             let y = first + y;

@@ -23,7 +23,7 @@ impl Moved {
     /// Compares a map with what it was before.
     pub fn find(&mut self, level: Level, before: &Plane<f32>, now: &Plane<f32>) -> Work {
         let (columns, rows) = now.size();
-        self.0.reset(columns, rows, false);
+        self.0.reshape(columns, rows, false);
         let found = self.0.samples_mut().par_chunks_mut(columns).enumerate();
         found.for_each(|(y, moved)| moved_in_row(level, before.row(y), now.row(y), moved));
         Work::bytes((2 * size_of::<f32>() + size_of::<bool>()) * columns * rows)

@@ -95,9 +95,9 @@ impl Choices {
         workers.resize_with(rayon::current_num_threads(), Default::default);
         workers.iter_mut().for_each(|worker| worker.reset(columns, given.grey[0].columns()));
         let ViewMap { values: other, reasons, .. } = map;
-        other.reset(columns, rows, 0.0);
-        next.reset(columns, rows, 0);
-        certainty.reset(columns, rows, 0);
+        other.reshape(columns, rows, 0.0);
+        next.reshape(columns, rows, 0);
+        certainty.reshape(columns, rows, 0);
         let mut done = keep(confidence, certainty);
         let several = Strip::all(rows).count() > 1;
         for (round, judge) in jury.rounds().take(rounds).enumerate() {

@@ -32,8 +32,8 @@ impl Slopes {
     /// The slopes of some rows of a map.
     pub fn compute(&mut self, level: Level, values: &Plane<f32>, rows: Range<usize>) -> Work {
         let columns = values.columns();
-        self.along.reset(columns, rows.len(), 0.0);
-        self.down.reset(columns, rows.len(), 0.0);
+        self.along.reshape(columns, rows.len(), 0.0);
+        self.down.reshape(columns, rows.len(), 0.0);
         let slopes = self.along.samples_mut().par_chunks_mut(columns);
         let slopes = slopes.zip(self.down.samples_mut().par_chunks_mut(columns)).enumerate();
         slopes.for_each(|(i, (along, down))| {
