@@ -69,7 +69,7 @@ impl Layout {
     pub fn new(space: &SearchSpace) -> Self {
         let answered = space.columns().next_multiple_of(GROUP);
         let count = space.count.next_multiple_of(STEP);
-        let left = (answered + 2 * RADIUS).next_multiple_of(GROUP);
+        let left = (space.columns() + 2 * RADIUS).next_multiple_of(GROUP);
         let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
         let inside = (RADIUS.saturating_sub(space.first), end);
         Self { answered, count, left, right: left + count - 1, inside }
@@ -195,10 +195,9 @@ at_every_level! {
                 slide_columns(slid, layout.shift(k), layout, entering, leaving);
                 let row = GROUP + (k + 1) * stride;
                 let costs = &mut costs[row + groups.start..row + groups.end];
-                sum_along(columns, threes, groups.start, costs);
                 let (first, end) = columns_with_candidate(space, k);
-                costs[..first - groups.start].fill(OUT);
-                costs[end - groups.start..].fill(OUT);
+                sum_along(columns, threes, groups.start..end, costs);
+                blank(costs, groups.start, first..end);
             }
             let until = (end + STEP - 1).next_multiple_of(GROUP);
             compare(costs, stride, k0, groups.start..until, layout, winners);
@@ -262,15 +261,16 @@ fn slide_columns<'a>(
     let (first, end) = layout.inside;
     for place in 0..RADIUS {
         columns[place] = if place < first { 0 } else { columns[place] };
-        columns[end + place] = 0;
     }
+    columns[end..length.min(end + RADIUS)].fill(0);
 }
 
-/// `C` of one disparity at answered columns `first .. first + costs.len()`.
+/// `C` of one disparity at some answered columns, and something up to the end of `costs`.
 #[inline(always)]
-fn sum_along(columns: &[u8], threes: &mut [u16], first: usize, costs: &mut [u16]) {
-    // One group more than there are costs: the last window ends in it.
-    for at in (first..first + costs.len() + GROUP).step_by(GROUP) {
+fn sum_along(columns: &[u8], threes: &mut [u16], answered: Range<usize>, costs: &mut [u16]) {
+    let first = answered.start;
+    // The last window ends further on.
+    for at in (first..answered.end + 2 * 3).step_by(GROUP) {
         let (a, b, c) = (group(columns, at), group(columns, at + 1), group(columns, at + 2));
         let sums = group_mut(threes, at);
         for i in 0..GROUP {
@@ -283,6 +283,20 @@ fn sum_along(columns: &[u8], threes: &mut [u16], first: usize, costs: &mut [u16]
         let sums = group_mut(costs, at);
         for i in 0..GROUP {
             sums[i] = a[i] + b[i] + c[i];
+        }
+    }
+}
+
+/// Says of the columns outside `tried` that they cannot be; `costs` begin at column `start`.
+#[inline(always)]
+fn blank(costs: &mut [u16], start: usize, tried: Range<usize>) {
+    let (first, end) = (tried.start - start, tried.end - start);
+    let before = (0..first).step_by(GROUP);
+    for at in before.chain((end / GROUP * GROUP..costs.len()).step_by(GROUP)) {
+        let group = group_mut(costs, at);
+        for i in 0..GROUP {
+            let is_tried = (first..end).contains(&(at + i));
+            group[i] = if is_tried { group[i] } else { OUT };
         }
     }
 }
@@ -320,18 +334,37 @@ fn compare(
     }
 }
 
-/// The costs around the winners of the answered columns.
+/// The costs around the winners of the answered columns, in whole groups.
 #[inline(always)]
 fn look_around(costs: &[u16], stride: usize, columns: usize, winners: &mut Winners) {
-    let found = winners.index.iter().zip(&winners.least);
-    let around = winners.before.iter_mut().zip(&mut winners.after).zip(&mut winners.confirming);
-    let found = found.zip(around).take(columns);
-    for (x, ((&index, &least), ((before, after), confirming))) in found.enumerate() {
-        let at = GROUP + (usize::from(index) + 1) * stride + x;
-        *before = costs[at - stride];
-        *after = costs[at + stride];
-        *confirming = least.min(costs[at - stride - 1]).min(costs[at + stride + 1]);
+    for at in (0..columns).step_by(GROUP) {
+        let (index, least) = (group(&winners.index, at), group(&winners.least, at));
+        let mut places = [0; GROUP];
+        for i in 0..GROUP {
+            places[i] = usize::from(index[i]) * stride + GROUP + at + i;
+        }
+        // One and none to the left at the disparity before, none and one to the right at that after.
+        let (mut below, mut above) = ([[0; 2]; GROUP], [[0; 2]; GROUP]);
+        for i in 0..GROUP {
+            below[i] = two(costs, places[i] - 1);
+            above[i] = two(costs, places[i] + 2 * stride);
+        }
+        let (mut before, mut after, mut confirming) = ([0; GROUP], [0; GROUP], [0; GROUP]);
+        for i in 0..GROUP {
+            before[i] = below[i][1];
+            after[i] = above[i][0];
+            confirming[i] = least[i].min(below[i][0]).min(above[i][1]);
+        }
+        *group_mut(&mut winners.before, at) = before;
+        *group_mut(&mut winners.after, at) = after;
+        *group_mut(&mut winners.confirming, at) = confirming;
     }
+}
+
+/// Two neighbours, in one load.
+#[inline(always)]
+fn two(costs: &[u16], at: usize) -> [u16; 2] {
+    *costs[at..].first_chunk().expect("there is room after the last row")
 }
 
 #[cfg(test)]
