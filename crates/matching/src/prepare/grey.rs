@@ -6,6 +6,7 @@
 use raster::{Image, Plane, View};
 use rayon::prelude::*;
 
+use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
 /// Grey samples of either depth, borrowed.
@@ -44,8 +45,23 @@ pub(crate) struct GreyBuffer {
     upper: Plane<u8>,
 }
 
+#[inline(always)]
 fn luma([r, g, b]: [u32; 3]) -> u32 {
     (299 * r + 587 * g + 114 * b + 500) / 1000
+}
+
+at_every_level! {
+    fn luma_of_8_bit(colours: &[[u8; 3]], grey: &mut [u8]) {
+        for (grey, colour) in grey.iter_mut().zip(colours) {
+            *grey = luma(colour.map(u32::from)) as u8;
+        }
+    }
+
+    fn luma_of_16_bit(colours: &[[u16; 3]], grey: &mut [u16]) {
+        for (grey, colour) in grey.iter_mut().zip(colours) {
+            *grey = luma(colour.map(u32::from)) as u16;
+        }
+    }
 }
 
 impl GreyBuffer {
@@ -73,14 +89,18 @@ impl GreyBuffer {
     }
 
     /// The image's grey: borrowed from the image itself, or computed here from its colours.
-    pub fn view<'a>(&'a mut self, image: &'a Image) -> GreyView<'a> {
-        grey(&mut self.depth8, &mut self.depth16, image)
+    pub fn view<'a>(&'a mut self, level: Level, image: &'a Image) -> GreyView<'a> {
+        grey(level, &mut self.depth8, &mut self.depth16, image)
     }
 
     /// The image's grey, and the upper 8 bits of it.
-    pub fn with_upper_bits<'a>(&'a mut self, image: &'a Image) -> (GreyView<'a>, View<'a, u8>) {
+    pub fn with_upper_bits<'a>(
+        &'a mut self,
+        level: Level,
+        image: &'a Image,
+    ) -> (GreyView<'a>, View<'a, u8>) {
         let Self { depth8, depth16, upper } = self;
-        let grey = grey(depth8, depth16, image);
+        let grey = grey(level, depth8, depth16, image);
         let bits = match grey {
             GreyView::Depth8(view) => view,
             GreyView::Depth16(view) => {
@@ -101,6 +121,7 @@ pub(crate) fn upper_bits(from: &[u16], to: &mut [u8]) {
 
 /// The image's grey, with memory for that of a colour image of either depth.
 fn grey<'a>(
+    level: Level,
     depth8: &'a mut Plane<u8>,
     depth16: &'a mut Plane<u16>,
     image: &'a Image,
@@ -112,21 +133,15 @@ fn grey<'a>(
         Image::Rgb8(plane) => {
             depth8.reshape(columns, rows, 0);
             let rows = depth8.samples_mut().par_chunks_mut(columns);
-            rows.zip(plane.samples().par_chunks(columns)).for_each(|(grey, colours)| {
-                for (grey, c) in grey.iter_mut().zip(colours) {
-                    *grey = luma(c.map(u32::from)) as u8;
-                }
-            });
+            let rows = rows.zip(plane.samples().par_chunks(columns));
+            rows.for_each(|(grey, colours)| luma_of_8_bit(level, colours, grey));
             GreyView::Depth8(depth8.view())
         }
         Image::Rgb16(plane) => {
             depth16.reshape(columns, rows, 0);
             let rows = depth16.samples_mut().par_chunks_mut(columns);
-            rows.zip(plane.samples().par_chunks(columns)).for_each(|(grey, colours)| {
-                for (grey, c) in grey.iter_mut().zip(colours) {
-                    *grey = luma(c.map(u32::from)) as u16;
-                }
-            });
+            let rows = rows.zip(plane.samples().par_chunks(columns));
+            rows.for_each(|(grey, colours)| luma_of_16_bit(level, colours, grey));
             GreyView::Depth16(depth16.view())
         }
     }
@@ -145,22 +160,26 @@ mod tests {
     }
 
     #[test]
-    fn grey_is_what_the_image_says_it_is() {
+    fn grey_is_what_the_image_says_it_is_at_every_level() {
         let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * 31) as u16;
         let images = [
-            Image::Grey8(Plane::from_fn(9, 5, |x, y| scramble(x, y) as u8)),
-            Image::Grey16(Plane::from_fn(9, 5, scramble)),
-            Image::Rgb8(Plane::from_fn(9, 5, |x, y| {
+            Image::Grey8(Plane::from_fn(99, 5, |x, y| scramble(x, y) as u8)),
+            Image::Grey16(Plane::from_fn(99, 5, scramble)),
+            Image::Rgb8(Plane::from_fn(99, 5, |x, y| {
                 [scramble(x, y) as u8, scramble(y, x) as u8, scramble(x + y, 3) as u8]
             })),
-            Image::Rgb16(Plane::from_fn(9, 5, |x, y| {
+            Image::Rgb16(Plane::from_fn(99, 5, |x, y| {
                 [scramble(x, y), scramble(y, x), scramble(x + y, 3)]
             })),
         ];
         let mut buffer = GreyBuffer::default();
-        for image in images {
-            assert_eq!(to_grey(buffer.view(&image)), image.to_grey());
-            let (grey, upper) = buffer.with_upper_bits(&image);
+        let levels = Level::available();
+        for (image, &level) in
+            images.iter().flat_map(|image| levels.iter().map(move |l| (image, l)))
+        {
+            eprintln!("level {}", level.name());
+            assert_eq!(to_grey(buffer.view(level, image)), image.to_grey());
+            let (grey, upper) = buffer.with_upper_bits(level, image);
             let expected = match to_grey(grey) {
                 Grey::Depth8(grey) => grey,
                 Grey::Depth16(grey) => grey.map(|sample| (sample >> 8) as u8),

@@ -103,7 +103,7 @@ impl Fast {
         let (bounds, (width, image_height)) = (frame.bounds, frame.size());
         let (columns, level) = (bounds.columns(), self.level);
         let [left, right] = &mut self.grey;
-        let images = [left.view(frame.left), right.view(frame.right)];
+        let images = [left.view(level, frame.left), right.view(level, frame.right)];
         let confidence = rows_of_box(frame, &mut map.confidence);
         self.bands
             .par_iter_mut()

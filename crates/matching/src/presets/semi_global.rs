@@ -365,7 +365,8 @@ impl Pipeline for SemiGlobalMatching {
         // Borrowed while the stages run.
         let mut buffers = std::mem::take(&mut self.buffers);
         let [left, right] = &mut buffers;
-        let both = [left.with_upper_bits(frame.left), right.with_upper_bits(frame.right)];
+        let both = [(left, frame.left), (right, frame.right)]
+            .map(|(buffer, image)| buffer.with_upper_bits(self.level, image));
         let (mut views, mut grey) = (both.map(|(view, _)| view), both.map(|(_, grey)| grey));
         let [of_left, of_right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
         let mut made_grey = of_left + of_right;
