@@ -1,7 +1,6 @@
 //! The median of 5 x 5 pixels.
 //!
-//! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated. Blocks of other
-//! numbers, of which any two must compare, go through the same network.
+//! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated.
 //!
 //! Columns of five are sorted first, once for the five windows that share them. In a window the
 //! five least, the five second least, and so on, are then sorted among themselves, which leaves
@@ -15,17 +14,17 @@ use raster::Plane;
 use super::level::at_every_level;
 
 /// Pixels that are done together.
-pub(crate) const BLOCK: usize = 64;
+const BLOCK: usize = 64;
 /// Pixels to each side of the middle one.
-const REACH: usize = 2;
-const SIDE: usize = 2 * REACH + 1;
+pub(crate) const REACH: usize = 2;
+pub(crate) const SIDE: usize = 2 * REACH + 1;
 
 /// Operations on bytes per pixel of 16 bits: 93 pairs are put in order by a minimum and a maximum, of
 /// which 28 are never looked at.
 pub(crate) const OPERATIONS: usize = (2 * 93 - 28) * 2;
 
 /// Five rows of what the windows of a block hold.
-pub(crate) type Rows<T> = [[T; BLOCK + 2 * REACH]; SIDE];
+type Rows = [[u16; BLOCK + 2 * REACH]; SIDE];
 
 /// Row `y` of a map between the two above and the two below it; beyond its ends they are repeated.
 pub(crate) fn rows_around(map: &Plane<u16>, y: usize) -> [&[u16]; SIDE] {
@@ -49,9 +48,9 @@ at_every_level! {
 
 /// The medians of the windows whose first columns are the first of these rows.
 #[inline(always)]
-pub(crate) fn medians_of_block<T: PartialOrd + Copy + Default>(mut rows: Rows<T>) -> [T; BLOCK] {
+fn medians_of_block(mut rows: Rows) -> [u16; BLOCK] {
     for i in 0..BLOCK + 2 * REACH {
-        let mut column = [T::default(); SIDE];
+        let mut column = [0; SIDE];
         for (sample, row) in column.iter_mut().zip(&rows) {
             *sample = row[i];
         }
@@ -60,9 +59,9 @@ pub(crate) fn medians_of_block<T: PartialOrd + Copy + Default>(mut rows: Rows<T>
             row[i] = sample;
         }
     }
-    let mut medians = [T::default(); BLOCK];
+    let mut medians = [0; BLOCK];
     for i in 0..BLOCK {
-        let mut window = [[T::default(); SIDE]; SIDE];
+        let mut window = [[0; SIDE]; SIDE];
         for rank in 0..SIDE {
             for column in 0..SIDE {
                 window[rank][column] = rows[rank][i + column];

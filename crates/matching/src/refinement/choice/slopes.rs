@@ -2,6 +2,7 @@
 //! to 1/2. Beside an edge most of the window lies on one side.
 //!
 //! Medians are found among whole numbers of 16 bits, steps of 1/32768: twice as many at once as with floats.
+//! Five windows above each other see the same row: its differences are taken once.
 //!
 //! In: finite values. Beside an end of the map the nearest differences that do not reach beyond it
 //! are repeated; a map of fewer than five columns or rows is flat that way.
@@ -12,7 +13,7 @@ use raster::Plane;
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median::{self, BLOCK, medians_of_block};
+use crate::kernels::median::{self, REACH, SIDE, median_of_5_rows};
 use crate::kernels::rounding::nearest;
 use crate::profile::Work;
 
@@ -21,91 +22,136 @@ const STEEPEST: f32 = 0.5;
 /// Steps per unit.
 const STEPS: f32 = 32768.0;
 
+/// Keeps slopes above zero, where the order of numbers with a sign is that of numbers without.
+const ZERO: i32 = 32768;
+
 /// The slopes of a map, or of some of its rows: changes per column and per row.
 #[derive(Default)]
 pub(crate) struct Slopes {
     pub along: Plane<f32>,
     pub down: Plane<f32>,
+    bands: Vec<Band>,
+}
+
+/// The memory of a band of rows: differences of the rows of a window, used in turns, and medians of a row.
+#[derive(Default)]
+struct Band {
+    along: [Vec<u16>; SIDE],
+    down: [Vec<u16>; SIDE],
+    medians: Vec<u16>,
 }
 
 impl Slopes {
+    /// What they take of a map of so many columns and rows.
+    pub fn bytes(columns: usize, rows: usize) -> usize {
+        let bands = rayon::current_num_threads() * (2 * SIDE + 1) * size_of::<u16>() * columns;
+        2 * size_of::<f32>() * columns * rows + bands
+    }
+
     /// The slopes of some rows of a map.
     pub fn compute(&mut self, level: Level, values: &Plane<f32>, rows: Range<usize>) -> Work {
         let columns = values.columns();
-        self.along.reshape(columns, rows.len(), 0.0);
-        self.down.reshape(columns, rows.len(), 0.0);
-        let slopes = self.along.samples_mut().par_chunks_mut(columns);
-        let slopes = slopes.zip(self.down.samples_mut().par_chunks_mut(columns)).enumerate();
-        slopes.for_each(|(i, (along, down))| {
-            slopes_of_row(level, values, rows.start + i, along, down);
+        let Self { along, down, bands } = self;
+        along.reshape(columns, rows.len(), 0.0);
+        down.reshape(columns, rows.len(), 0.0);
+        let threads = rayon::current_num_threads();
+        bands.resize_with(threads, Band::default);
+        bands.iter_mut().for_each(|band| band.reset(columns));
+        let height = rows.len().div_ceil(threads);
+        let along = along.samples_mut().par_chunks_mut(height * columns);
+        let down = down.samples_mut().par_chunks_mut(height * columns);
+        along.zip(down).zip(bands).enumerate().for_each(|(i, ((along, down), band))| {
+            band.slopes(level, values, rows.start + i * height, along, down);
         });
         let pixels = columns * rows.len();
         Work::bytes(3 * 4 * pixels) + Work::operations(2 * median::OPERATIONS) * pixels
     }
 }
 
-at_every_level! {
-    /// The slopes of row `y`: changes per column and per row.
-    fn slopes_of_row(values: &Plane<f32>, y: usize, along: &mut [f32], down: &mut [f32]) {
-        for x in (0..along.len()).step_by(BLOCK) {
-            let size = BLOCK.min(along.len() - x);
-            let [wide, high] = slopes_around(values, x, y, size);
-            for (slopes, around) in [(&mut *along, wide), (&mut *down, high)] {
-                let medians = medians_of_block(around);
-                for (slope, median) in slopes[x..x + size].iter_mut().zip(medians) {
-                    *slope = f32::from(median) * (1.0 / STEPS);
+impl Band {
+    fn reset(&mut self, columns: usize) {
+        let Self { along, down, medians } = self;
+        for row in along.iter_mut().chain(down).chain([medians]) {
+            row.reserve_exact(columns.saturating_sub(row.len()));
+            row.resize(columns, 0);
+        }
+    }
+
+    /// The slopes of rows from `first` on.
+    fn slopes(
+        &mut self,
+        level: Level,
+        values: &Plane<f32>,
+        first: usize,
+        along: &mut [f32],
+        down: &mut [f32],
+    ) {
+        let (columns, rows) = values.size();
+        let last = rows - 1;
+        let mut next = first.saturating_sub(REACH);
+        let slopes = along.chunks_exact_mut(columns).zip(down.chunks_exact_mut(columns));
+        for (y, (along, down)) in (first..).zip(slopes) {
+            while next <= (y + REACH).min(last) {
+                let place = next % SIDE;
+                differences_along(level, values.row(next), &mut self.along[place]);
+                // Where there is no difference all are 0.
+                let [above, below] = match rows {
+                    0..SIDE => [next; 2],
+                    _ => [0, SIDE - 1].map(|v| next.clamp(REACH, last - REACH) - REACH + v),
                 }
+                .map(|v| values.row(v));
+                differences(level, above, below, &mut self.down[place]);
+                next += 1;
+            }
+            let near: [usize; SIDE] =
+                std::array::from_fn(|j| (y + j).saturating_sub(REACH).min(last) % SIDE);
+            for (differences, slopes) in [(&self.along, along), (&self.down, down)] {
+                let window = near.map(|place| &differences[place][..]);
+                median_of_5_rows(level, window, &mut self.medians);
+                in_units(level, &self.medians, slopes);
             }
         }
     }
 }
 
-/// The slope over four pixels, clamped, which does not change which of several is the median.
+at_every_level! {
+    /// The slopes over four pixels from one row to another.
+    fn differences(from: &[f32], to: &[f32], out: &mut [u16]) {
+        for (out, (from, to)) in out.iter_mut().zip(from.iter().zip(to)) {
+            *out = steps(to - from);
+        }
+    }
+
+    /// The slopes over four pixels along a row.
+    fn differences_along(row: &[f32], out: &mut [u16]) {
+        let columns = row.len();
+        if columns < SIDE {
+            out.fill(steps(0.0));
+            return;
+        }
+        let inner = &mut out[REACH..columns - REACH];
+        for (out, (from, to)) in inner.iter_mut().zip(row.iter().zip(&row[2 * REACH..])) {
+            *out = steps(to - from);
+        }
+        let (first, last) = (out[REACH], out[columns - 1 - REACH]);
+        out[..REACH].fill(first);
+        out[columns - REACH..].fill(last);
+    }
+
+    fn in_units(medians: &[u16], slopes: &mut [f32]) {
+        for (slope, &median) in slopes.iter_mut().zip(medians) {
+            *slope = (i32::from(median) - ZERO) as f32 * (1.0 / STEPS);
+        }
+    }
+}
+
+/// The slope over four pixels in steps, clamped, which does not change which of several is the median.
 #[inline(always)]
-fn slope(difference: f32) -> i16 {
+fn steps(difference: f32) -> u16 {
     let slope = 0.25 * difference;
     let slope = if slope < STEEPEST { slope } else { STEEPEST };
     let slope = if slope > -STEEPEST { slope } else { -STEEPEST };
-    nearest(slope * STEPS) as i16
-}
-
-/// The slopes along and down the map in the windows of so many pixels from `(x, y)` on.
-#[inline(always)]
-fn slopes_around(values: &Plane<f32>, x: usize, y: usize, size: usize) -> [median::Rows<i16>; 2] {
-    let (columns, rows) = values.size();
-    let [mut wide, mut high] = [[[0; BLOCK + 4]; 5]; 2];
-    let inner = x >= 4 && x + BLOCK + 4 <= columns;
-    for j in 0..5 {
-        let v = (y + j).saturating_sub(2).min(rows - 1);
-        let here = values.row(v);
-        // Where there is no difference all are 0.
-        let [above, below] = match middle(v, rows) {
-            Some(v) => [v - 2, v + 2].map(|v| values.row(v)),
-            None => [here; 2],
-        };
-        if inner {
-            let [above, here, below] = [above, here, below].map(|row| &row[x - 4..][..BLOCK + 8]);
-            for i in 0..BLOCK + 4 {
-                wide[j][i] = slope(here[i + 4] - here[i]);
-                high[j][i] = slope(below[i + 2] - above[i + 2]);
-            }
-        } else {
-            for i in 0..size + 4 {
-                let u = (x + i).saturating_sub(2).min(columns - 1);
-                if let Some(u) = middle(u, columns) {
-                    wide[j][i] = slope(here[u + 2] - here[u - 2]);
-                }
-                high[j][i] = slope(below[u] - above[u]);
-            }
-        }
-    }
-    [wide, high]
-}
-
-/// The nearest of so many places that has two more on both sides.
-#[inline(always)]
-fn middle(place: usize, places: usize) -> Option<usize> {
-    (places > 4).then(|| place.clamp(2, places - 3))
+    (nearest(slope * STEPS) + ZERO) as u16
 }
 
 #[cfg(test)]
@@ -154,12 +200,15 @@ mod tests {
             });
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                for y in 0..rows {
-                    let [mut along, mut down] = [vec![0.0; columns], vec![0.0; columns]];
-                    slopes_of_row(level, &values, y, &mut along, &mut down);
-                    for x in 0..columns {
-                        let expected = slopes_at(&values, x, y);
-                        assert_eq!((along[x], down[x]), expected, "column {x}, row {y}");
+                for (threads, part) in [(1, 0..rows), (2, 0..rows), (3, rows / 3..rows)] {
+                    let mut slopes = Slopes::default();
+                    let pool =
+                        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                    pool.install(|| slopes.compute(level, &values, part.clone()));
+                    for (y, x) in part.clone().flat_map(|y| (0..columns).map(move |x| (y, x))) {
+                        let found = [&slopes.along, &slopes.down].map(|s| s.row(y - part.start)[x]);
+                        let [along, down] = found;
+                        assert_eq!((along, down), slopes_at(&values, x, y), "column {x}, row {y}");
                     }
                 }
             }

@@ -32,7 +32,8 @@ impl Strip {
     /// What one takes of a map of so many columns and rows, in images of a width.
     pub fn bytes(columns: usize, rows: usize, width: usize, reach: &Reach) -> usize {
         let rows = Self::height(rows, reach);
-        2 * 3 * width * rows + 2 * size_of::<f32>() * columns * rows + Edges::bytes(columns * rows)
+        let looks = 2 * 3 * width * rows;
+        looks + Slopes::bytes(columns, rows) + Edges::bytes(columns * rows)
     }
 
     /// How many rows it has where the map has so many.
