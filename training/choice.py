@@ -73,12 +73,13 @@ def main():
     parser.add_argument("--preset", choices=SIZES, required=True, help="whose judge it is")
     parser.add_argument("--steps", type=int, default=15000)
     parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
+    parser.add_argument("--seed", type=int, default=1, help="of all that comes by chance")
     parser.add_argument("--weights", type=Path, required=True, help="the file to append to")
     arguments = parser.parse_args()
     for file in (*arguments.samples, arguments.weights):
         if not file.is_file():
             parser.error(f"{file}: no such file")
-    torch.manual_seed(1)
+    torch.manual_seed(arguments.seed)
     truth, weight, disparities, inside, of_each, of_pixel = load(
         arguments.samples, SIZES[arguments.preset][0])
     print(f"{len(truth)} pixels", flush=True)

@@ -1,14 +1,14 @@
 #!/bin/sh
-# Trains the judges of `balanced` and `best` and puts their weights in place. Takes 30 minutes of two
-# processors, and 15 GB below target/lessons, which stay if it fails; the weights are as before then.
+# Trains the judges of `balanced` and `best` and puts their weights in place. Takes 40 minutes of two
+# processors, and 19 GB below target/lessons, which stay if it fails; the weights are as before then.
 #
 #     HAZCAM_DATA=~/stereo training/judges.sh [--without NAME..]
 #
 # from the project's root. What it is given goes on to the program that writes lessons: --without keeps scenes out.
 #
-# The second judge of `best` learns from what the first one left. On pairs that the first one had among
-# its own lessons it leaves less than it will elsewhere, so these lessons come from judges that were
-# taught on the other half of the scenes (cross-fitting).
+# The other judges of `best` learn from what the first one left, and differ by chance alone. On pairs that
+# the first one had among its own lessons it leaves less than it will elsewhere, so these lessons come from
+# judges that were taught on the other half of the scenes (cross-fitting).
 #
 # Needs PyTorch and numpy; PYTHON names the interpreter.
 set -eu
@@ -35,7 +35,7 @@ choices() {
     cargo run --quiet --release -p hazcam-training -- --preset "$preset" --out "$out" "$@"
 }
 
-# learn PRESET WEIGHTS LESSONS..: appends a judge. Steps are small: more threads would not be faster, and
+# learn PRESET WEIGHTS [--seed N] LESSONS..: appends a judge. Steps are small: more threads would not be faster, and
 # what is learned would depend on their number.
 learn() {
     preset=$1 to=$2
@@ -74,5 +74,17 @@ done
 wait $first
 cp $lessons/first.bin $weights/best.bin
 cp $lessons/balanced.bin $weights/balanced.bin
-learn best $weights/best.bin $lessons/left1 $lessons/left2
+another() {
+    : > $lessons/another$1.bin
+    learn best $lessons/another$1.bin --seed "$1" $lessons/left1 $lessons/left2
+}
+for seed in 1 3
+do
+    another $seed &
+    one=$!
+    another $((seed + 1))
+    wait $one
+done
+another 5
+cat $lessons/first.bin $lessons/another?.bin > $weights/best.bin
 rm -r $lessons

@@ -176,12 +176,12 @@ impl Ingredient {
             ),
             RightChoices => (
                 "right-choices",
-                "the right view chooses first, once by each judge: what it says at a match is a hint",
+                "the right view chooses first, by two judges: what it says at a match is a hint",
                 "the hint is the right view of the paths",
             ),
             FurtherChoices => (
                 "further-choices",
-                "more rounds of choices, by a judge that was taught after the first: two, in best five",
+                "more rounds of choices, by judges that were taught after the first: two by one, in best five by five",
                 "one round",
             ),
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
