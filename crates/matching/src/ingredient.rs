@@ -181,7 +181,7 @@ impl Ingredient {
             ),
             FurtherChoices => (
                 "further-choices",
-                "more rounds of choices, by judges that were taught after the first: two by one, in best five by five",
+                "more rounds of choices, by judges taught after the first: two, in best five",
                 "one round",
             ),
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),

@@ -179,7 +179,7 @@ impl Matcher {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::Preset;
     use raster::Plane;
@@ -197,7 +197,7 @@ mod tests {
     }
 
     /// The bits of a map, so that what has no value is equal to itself.
-    fn bits(map: &DisparityMap) -> Vec<(u32, Reason, u32)> {
+    pub(crate) fn bits(map: &DisparityMap) -> Vec<(u32, Reason, u32)> {
         let rest = map.reasons.samples().iter().zip(map.confidence.samples());
         let all = map.values.samples().iter().zip(rest);
         all.map(|(value, (reason, sure))| (value.to_bits(), *reason, sure.to_bits())).collect()

@@ -133,12 +133,8 @@ impl<T: Clone> Plane<T> {
     /// Makes this a plane of `columns x rows` with the same `value` everywhere, and keeps its
     /// memory: no allocation happens unless the plane grows past its largest size so far.
     pub fn reset(&mut self, columns: usize, rows: usize, value: T) {
-        self.columns = columns;
-        self.rows = rows;
-        self.samples.clear();
-        // No more than is needed: planes are large, and what they take is added up beforehand.
-        self.samples.reserve_exact(columns * rows);
-        self.samples.resize(columns * rows, value);
+        self.reshape(columns, rows, value.clone());
+        self.samples.fill(value);
     }
 
     /// Makes this a plane of `columns x rows` for someone who writes all of it: samples that it had are
@@ -148,6 +144,7 @@ impl<T: Clone> Plane<T> {
         self.columns = columns;
         self.rows = rows;
         let needed = columns * rows;
+        // No more than is needed: planes are large, and what they take is added up beforehand.
         self.samples.reserve_exact(needed.saturating_sub(self.samples.len()));
         self.samples.resize(needed, value);
     }

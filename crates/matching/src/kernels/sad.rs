@@ -259,9 +259,7 @@ fn slide_columns<'a>(
     }
     // Columns outside the image add nothing to any window.
     let (first, end) = layout.inside;
-    for place in 0..RADIUS {
-        columns[place] = if place < first { 0 } else { columns[place] };
-    }
+    columns[..first].fill(0);
     columns[end..length.min(end + RADIUS)].fill(0);
 }
 
@@ -489,6 +487,9 @@ mod tests {
             (75, 11, (9, 60), (3, 31)),
             (90, 10, (2, 88), (-20, 70)),
             (33, 9, (30, 32), (-40, 40)),
+            // What supports 56 columns is a whole group, inside the image and beyond its end.
+            (70, 10, (5, 60), (0, 20)),
+            (61, 10, (5, 60), (0, 20)),
         ];
         for level in Level::available() {
             eprintln!("level {}", level.name());

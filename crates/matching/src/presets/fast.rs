@@ -77,9 +77,7 @@ impl Fast {
             gaps = self.fill_gaps(frame, numbers, height, map);
         } else {
             self.disparities.samples_mut().fill(HOLE);
-            rows_of_box(frame, &mut map.confidence)
-                .chunks_exact_mut(frame.size().0)
-                .for_each(|row| row[frame.bounds.x0..=frame.bounds.x1].fill(0.0));
+            map.confidence.samples_mut().fill(0.0);
         }
         let any = self.fill_empty_rows(frame, numbers, map);
         profile.end("gaps", gaps);
@@ -262,6 +260,7 @@ mod tests {
     use super::*;
     use crate::Holes;
     use crate::matcher::open_holes;
+    use crate::matcher::tests::bits;
     use raster::{BoundingBox, DisparityRange, Image};
 
     /// Something to match: a near square before a slanted wall, noise, and a blank corner.
@@ -294,13 +293,6 @@ mod tests {
         })
         .unwrap();
         map
-    }
-
-    /// The bits of a map, so that holes are equal to holes.
-    fn bits(map: &DisparityMap) -> Vec<(u32, Reason, u32)> {
-        let rest = map.reasons.samples().iter().zip(map.confidence.samples());
-        let all = map.values.samples().iter().zip(rest);
-        all.map(|(value, (reason, sure))| (value.to_bits(), *reason, sure.to_bits())).collect()
     }
 
     #[test]

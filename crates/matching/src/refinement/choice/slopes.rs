@@ -21,7 +21,6 @@ use crate::profile::Work;
 const STEEPEST: f32 = 0.5;
 /// Steps per unit.
 const STEPS: f32 = 32768.0;
-
 /// Keeps slopes above zero, where the order of numbers with a sign is that of numbers without.
 const ZERO: i32 = 32768;
 
@@ -206,8 +205,8 @@ mod tests {
                         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                     pool.install(|| slopes.compute(level, &values, part.clone()));
                     for (y, x) in part.clone().flat_map(|y| (0..columns).map(move |x| (y, x))) {
-                        let found = [&slopes.along, &slopes.down].map(|s| s.row(y - part.start)[x]);
-                        let [along, down] = found;
+                        let [along, down] =
+                            [&slopes.along, &slopes.down].map(|s| s.row(y - part.start)[x]);
                         assert_eq!((along, down), slopes_at(&values, x, y), "column {x}, row {y}");
                     }
                 }
