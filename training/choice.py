@@ -23,7 +23,7 @@ from torch import nn
 
 OF_EACH, OF_PIXEL = 20, 6
 # Candidates (`reach.rs`) and the numbers of the two layers (`jury.rs`).
-SIZES = {"balanced": (16, 16, 8), "best": (32, 32, 16)}
+SIZES = {"balanced": (24, 16, 8), "best": (32, 32, 16)}
 BATCH = 1024
 
 

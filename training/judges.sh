@@ -6,9 +6,9 @@
 #
 # from the project's root. What it is given goes on to the program that writes lessons: --without keeps scenes out.
 #
-# The other judges of `best` learn from what the first one left, and differ by chance alone. On pairs that
-# the first one had among its own lessons it leaves less than it will elsewhere, so these lessons come from
-# judges that were taught on the other half of the scenes (cross-fitting).
+# The other judges learn from what the first one left, and differ by chance alone. On pairs that the first one
+# had among its own lessons it leaves less than it will elsewhere, so in `best` these lessons come from judges
+# that were taught on the other half of the scenes (cross-fitting).
 #
 # Needs PyTorch and numpy; PYTHON names the interpreter.
 set -eu
@@ -47,18 +47,20 @@ for file in $weights/balanced.bin $weights/best.bin $lessons/balanced.bin $lesso
 do
     : > $file
 done
-# Without twins: with them it stands less noise.
 choices balanced $lessons/all "$@"
 learn balanced $lessons/balanced.bin $lessons/all &
 balanced=$!
 for half in 1 2; do
-    choices best $lessons/$half --twins --half $half "$@"
+    choices best $lessons/$half --half $half "$@"
 done
 wait $balanced
 rm $lessons/all
 cp $lessons/balanced.bin $weights/balanced.bin
 choices balanced $lessons/left "$@"
-learn balanced $lessons/balanced.bin $lessons/left
+for seed in 1 2
+do
+    learn balanced $lessons/balanced.bin --seed $seed $lessons/left
+done
 rm $lessons/left
 
 learn best $lessons/1.bin $lessons/1 &
@@ -69,7 +71,7 @@ learn best $lessons/first.bin $lessons/1 $lessons/2 &
 first=$!
 for half in 1 2; do
     cp $lessons/$((3 - half)).bin $weights/best.bin
-    choices best $lessons/left$half --twins --half $half "$@"
+    choices best $lessons/left$half --half $half "$@"
 done
 wait $first
 cp $lessons/first.bin $weights/best.bin

@@ -6,15 +6,17 @@ use matching::{MatchError, Preset};
 use raster::Plane;
 use scenes::Random;
 
-/// How much a pixel is wanted: more where the map is wrong and along edges, less where all is flat.
-fn wanted(values: &Plane<f32>, truth: &Plane<f32>, x: usize, y: usize) -> f64 {
-    let error = (values.row(y)[x] - truth.row(y)[x]).abs();
+/// How much a pixel of a map is wanted, which is every so many-th one of the truth: more where the map is wrong and
+/// along edges, less where all is flat.
+fn wanted(values: &Plane<f32>, every: usize, truth: &Plane<f32>, x: usize, y: usize) -> f64 {
+    let error = (values.row(y)[x] - truth.row(every * y)[every * x]).abs();
     if error.is_nan() {
         return 0.0;
     }
     let (columns, rows) = values.size();
+    let far = 4 / every;
     let near =
-        |place: usize, end: usize| [place.saturating_sub(4), place, (place + 4).min(end - 1)];
+        |place: usize, end: usize| [place.saturating_sub(far), place, (place + far).min(end - 1)];
     let around = near(y, rows).into_iter().flat_map(|v| near(x, columns).map(|u| (u, v)));
     let (least, most) = around.fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), (u, v)| {
         let value = values.row(v)[u];
@@ -29,21 +31,22 @@ fn wanted(values: &Plane<f32>, truth: &Plane<f32>, x: usize, y: usize) -> f64 {
         }
 }
 
-/// About so many pixels of a map, by chance, the more wanted ones more often; each stands for as many as
-/// its chance says, in the mean for one.
+/// About so many pixels by chance, the more wanted ones more often, of a map of every so many-th pixel; each
+/// stands for as many as its chance says, in the mean for one.
 fn picked(
-    values: &Plane<f32>,
+    (values, every): (&Plane<f32>, usize),
     truth: &Plane<f32>,
     pixels: usize,
     random: &mut Random,
 ) -> Vec<Pixel> {
     let (columns, rows) = values.size();
     let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
-    let all: f64 = places().map(|(column, row)| wanted(values, truth, column, row)).sum();
+    let all: f64 = places().map(|(column, row)| wanted(values, every, truth, column, row)).sum();
     let mut picked = Vec::new();
     for (column, row) in places() {
-        let chance = pixels as f64 * wanted(values, truth, column, row) / all;
+        let chance = pixels as f64 * wanted(values, every, truth, column, row) / all;
         if random.chance(chance) {
+            let [column, row] = [column, row].map(|place| every * place);
             picked.push(Pixel { column, row, weight: 1.0 / chance.min(1.0) as f32 });
         }
     }
@@ -64,7 +67,9 @@ pub fn lesson(
     let truth = data.truth.as_ref().expect("scenes to learn from have truth");
     let pick = {
         let truth = truth.clone();
-        move |values: &Plane<f32>| picked(values, &truth, pixels, &mut random)
+        move |values: &Plane<f32>, every: usize| {
+            picked((values, every), &truth, pixels, &mut random)
+        }
     };
     let known = choices(preset, &data.left, &data.right, data.range, pick)?;
     let numbers = known.into_iter().map(|(Pixel { column, row, weight }, known)| {

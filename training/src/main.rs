@@ -5,9 +5,9 @@
 //! cargo run --release -p hazcam-training -- --preset best --out target/choices.bin
 //! ```
 //!
-//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are, with `--twins` as other cameras would have seen
-//! them (in a mirror, upside down, from farther away), strained (light, noise, vertical offset), and rendered
-//! scenes whose seeds no measurement uses.
+//! Pairs: the tuning scenes of `$HAZCAM_DATA` as they are, their twins as other cameras would have seen them
+//! (in a mirror, upside down, from farther away), strained (light, noise, vertical offset), and rendered scenes
+//! whose seeds no measurement uses.
 
 mod lessons;
 mod strain;
@@ -43,14 +43,10 @@ struct Arguments {
     /// one half. Rendered scenes belong to the first.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     half: Option<u8>,
-    /// About how many pixels of a pair; a quarter of them of a strained or rendered one. With --twins as
-    /// many of its mirror image and half as many of each other twin; twice as many of all these where
-    /// there is no mirror image.
+    /// About how many pixels of a pair; as many of its mirror image, half as many of each other twin, twice
+    /// as many of all these where there is no mirror image; a quarter of a strained or rendered pair.
     #[arg(long, default_value_t = 18000)]
     pixels: usize,
-    /// Scenes in a mirror, upside down and smaller too.
-    #[arg(long)]
-    twins: bool,
     /// How often each tuning scene is strained.
     #[arg(long, default_value_t = 2)]
     strained: u64,
@@ -136,11 +132,7 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
         // The views of the moon are much alike.
         let pixels = arguments.pixels / if case.family() == "lunar" { 4 } else { 1 };
         let (data, mut random) = (case.load()?, Random::new(seed, PURPOSE));
-        let family = match arguments.twins {
-            true => twin::family(case, &data, &mut random.clone())?,
-            false => vec![Twin { name: case.id.clone(), data: data.clone(), worth: 1.0 }],
-        };
-        for Twin { name, data, worth } in family {
+        for Twin { name, data, worth } in twin::family(case, &data, &mut random.clone())? {
             add(&name, &data, (pixels as f64 * worth) as usize, random.clone())?;
         }
         for _ in 0..arguments.strained {

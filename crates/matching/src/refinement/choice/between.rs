@@ -24,11 +24,13 @@ struct Row<'a> {
     certainty: &'a [u8],
 }
 
-/// Lets the pixels between those that were asked follow them, in `out` and in `certainty`.
+/// Lets the pixels of a map, which had the disparities `values`, follow those that were asked, in `out` and
+/// in `certainty`.
 pub(super) fn follow(
     level: Level,
     given: &Given<'_>,
     values: &Plane<f32>,
+    asked: (&Plane<f32>, &Plane<u8>),
     certainty: &mut Plane<u8>,
     out: &mut Plane<f32>,
 ) -> Work {
@@ -44,7 +46,8 @@ pub(super) fn follow(
         let here = out.len() / columns;
         for y in (0..here).step_by(2) {
             let row = y * columns..(y + 1) * columns;
-            along_row(level, before(first + y), &mut out[row.clone()], &mut certainty[row]);
+            let asked = (asked.0.row((first + y) / 2), asked.1.row((first + y) / 2));
+            along_row(level, before(first + y), asked, &mut out[row.clone()], &mut certainty[row]);
         }
         // The last row of a band may need the first one of the next.
         let end = if first + here < rows { here - 1 } else { here };
@@ -126,6 +129,13 @@ fn pairs<T: Copy>(row: &[T], at: usize) -> [[T; GROUP / 2]; 2] {
     [0, 2].map(|first| std::array::from_fn(|i| row[first + 2 * i]))
 }
 
+/// Columns from `at` on, and those one further on.
+#[inline(always)]
+fn neighbours<T: Copy>(row: &[T], at: usize) -> [[T; GROUP / 2]; 2] {
+    let row = &row[at..=at + GROUP / 2];
+    [0, 1].map(|first| std::array::from_fn(|i| row[first + i]))
+}
+
 /// The columns between them.
 #[inline(always)]
 fn betweens<T: Copy>(row: &[T], at: usize) -> [T; GROUP / 2] {
@@ -146,15 +156,20 @@ fn put<T: Copy>(group: &[T; GROUP], row: &mut [T], at: usize) {
 }
 
 at_every_level! {
-    /// Every second pixel of a row, between two that were asked. `was` are its disparities before, and grey.
-    fn along_row(was: (&[f32], &[u8]), out: &mut [f32], certainty: &mut [u8]) {
-        let (before, grey) = was;
+    /// A row of which every second pixel was asked. `was` are its disparities before, and grey.
+    fn along_row(
+        was: (&[f32], &[u8]),
+        asked: (&[f32], &[u8]),
+        out: &mut [f32],
+        certainty: &mut [u8],
+    ) {
+        let ((before, grey), (now, sure)) = (was, asked);
         let mut at = 0;
         while at + GROUP < out.len() {
             let ([one, other], old) = (pairs(before, at), betweens(before, at));
-            let [new, new_after] = pairs(out, at);
+            let [new, new_after] = neighbours(now, at / 2);
             let ([shade, shade_after], own) = (pairs(grey, at), betweens(grey, at));
-            let [sure, sure_after] = pairs(certainty, at);
+            let [sure, sure_after] = neighbours(sure, at / 2);
             let (mut found, mut told) = ([0.0; GROUP], [0; GROUP]);
             for i in 0..GROUP / 2 {
                 let left = (one[i], new[i], shade[i], sure[i]);
@@ -166,11 +181,13 @@ at_every_level! {
             put(&told, certainty, at);
             at += GROUP;
         }
-        let last = out.len() - 1;
-        for x in (at + 1..=last).step_by(2) {
-            let [left, right] =
-                [x - 1, (x + 1).min(last - last % 2)].map(|u| (before[u], out[u], grey[u], certainty[u]));
-            (out[x], certainty[x]) = between([left, right], before[x], grey[x]);
+        for x in at..out.len() {
+            let near = [x / 2, x.div_ceil(2).min(now.len() - 1)];
+            let [left, right] = near.map(|u| (before[2 * u], now[u], grey[2 * u], sure[u]));
+            (out[x], certainty[x]) = match x % 2 {
+                0 => (left.1, left.3),
+                _ => between([left, right], before[x], grey[x]),
+            };
         }
     }
 
@@ -204,6 +221,7 @@ at_every_level! {
 mod tests {
     use super::*;
     use crate::chance::Chance;
+    use crate::refinement::choice::sparse::asked;
 
     /// Two images of one map, of which the left one counts.
     fn follow_all(
@@ -221,8 +239,9 @@ mod tests {
             least: 0.0,
             most: 60.0,
         };
-        let (mut out, mut certainty) = (asked.0.clone(), asked.1.clone());
-        follow(level, &given, values, &mut certainty, &mut out);
+        let mut out = values.map(|_| f32::NAN);
+        let mut certainty = values.map(|_| 0);
+        follow(level, &given, values, asked, &mut certainty, &mut out);
         (out, certainty)
     }
 
@@ -232,12 +251,8 @@ mod tests {
         // 3 is the wall's by its grey, 5 is wall already.
         let values = Plane::from_fn(8, 3, |x, _| if x < 5 { 9.0 } else { 4.0 });
         let grey = Plane::from_fn(8, 3, |x, _| if x < 3 { 200 } else { 90 });
-        let mut asked = values.clone();
-        let mut sure = Plane::filled(8, 3, 200);
-        for y in [0, 2] {
-            asked.row_mut(y)[4] = 4.0;
-            sure.row_mut(y)[4] = 90;
-        }
+        let asked = Plane::from_fn(4, 2, |x, _| if x < 2 { 9.0 } else { 4.0 });
+        let sure = Plane::from_fn(4, 2, |x, _| if x == 2 { 90 } else { 200 });
         for level in Level::available() {
             eprintln!("level {}", level.name());
             let (out, certainty) = follow_all(level, &grey, &values, (&asked, &sure));
@@ -252,14 +267,19 @@ mod tests {
     fn every_level_and_number_of_threads_follows_alike_and_leaves_those_that_were_asked() {
         for (columns, rows) in [(1, 1), (2, 5), (37, 6), (100, 9)] {
             let mut chance = Chance(columns as u32);
-            let mut noise = |most: f32| Plane::from_fn(columns, rows, |_, _| most * chance.share());
-            let [values, asked] = [noise(4.0), noise(4.0)];
-            let [grey, sure] = [noise(255.0), noise(255.0)].map(|noise| noise.map(|&n| n as u8));
+            let of_asked = asked(2, (columns, rows));
+            let mut noise = |(columns, rows), most: f32| {
+                Plane::from_fn(columns, rows, |_, _| most * chance.share())
+            };
+            let [values, asked] = [noise((columns, rows), 4.0), noise(of_asked, 4.0)];
+            let [grey, sure] = [noise((columns, rows), 255.0), noise(of_asked, 255.0)]
+                .map(|noise| noise.map(|&n| n as u8));
             let expected = follow_all(Level::available()[0], &grey, &values, (&asked, &sure));
             for (y, x) in
                 (0..rows).step_by(2).flat_map(|y| (0..columns).step_by(2).map(move |x| (y, x)))
             {
-                assert_eq!(expected.0.row(y)[x], asked.row(y)[x]);
+                assert_eq!(expected.0.row(y)[x], asked.row(y / 2)[x / 2]);
+                assert_eq!(expected.1.row(y)[x], sure.row(y / 2)[x / 2]);
             }
             for level in Level::available() {
                 eprintln!("level {}", level.name());

@@ -2,7 +2,7 @@
 //!
 //! Candidates are the planes of a pixel itself and of others around it, continued to where it lies.
 //! Neighbours of one row are looked at together: what they look at lies side by side too. Those that
-//! have a choice are then worked on together.
+//! have a choice are then worked on together. Where not all pixels are asked, maps hold those that are.
 
 use raster::{Plane, Reason, View};
 
@@ -43,7 +43,7 @@ const SAME: f32 = 1.0;
 
 /// What is known of the images and of both views, and stays as it is.
 pub(crate) struct Given<'a> {
-    /// Where descriptors were asked; empty where nowhere.
+    /// Where descriptors were asked; empty where nowhere. A map.
     pub doubtful: &'a Plane<bool>,
     /// The upper 8 bits of both images.
     pub grey: [View<'a, u8>; 2],
@@ -85,9 +85,11 @@ impl<'a> Compared<'a> {
         y: usize,
     ) -> Self {
         let strip = scene.strip;
-        base.compute(level, &strip.base, strip.row(y));
-        other.compute(level, &strip.other, strip.row(y));
-        Self { base: base.get(), other: other.get(), right: scene.given.right.row(y) }
+        let row = strip.row_of_looks(y);
+        base.compute(level, &strip.base, row);
+        other.compute(level, &strip.other, row);
+        let right = scene.given.right.row(strip.every() * y);
+        Self { base: base.get(), other: other.get(), right }
     }
 }
 
@@ -95,6 +97,8 @@ impl<'a> Compared<'a> {
 /// a choice are [taken](Block::take) into another block, where more is asked.
 #[derive(Default)]
 pub(super) struct Block {
+    /// A column of the map is every so many-th one of the image.
+    every: usize,
     y: usize,
     /// Where the pixels lie in the map.
     pub columns: [usize; LANES],
@@ -140,10 +144,9 @@ impl Block {
         self.places.len()
     }
 
-    /// Finds the candidates of every so many-th pixel from `(x, y)` on; says whether any that is marked has
-    /// a choice.
+    /// Finds the candidates of pixels from `(x, y)` on; says whether any that is marked has a choice.
     #[inline(always)]
-    pub fn find<const EVERY: usize>(
+    pub fn find(
         &mut self,
         scene: &Scene<'_>,
         reach: &Reach,
@@ -151,29 +154,29 @@ impl Block {
         x: usize,
         y: usize,
     ) -> bool {
-        (self.y, self.places) = (y, reach.places);
+        (self.y, self.every, self.places) = (y, reach.every, reach.places);
         self.open = [false; LANES];
         for l in 0..LANES {
-            self.columns[l] = x + EVERY * l;
+            self.columns[l] = x + l;
         }
         if marked == [false; LANES] {
             return false;
         }
         let (columns, rows) = scene.values.size();
         let (least, most) = (scene.given.least, scene.given.most);
-        self.here = run::<_, EVERY>(scene.values.row(y), x as i64);
+        self.here = run(scene.values.row(y), x as i64);
         let here = self.here;
-        let settled = settled::<EVERY>(scene, x, y);
+        let settled = settled(scene, x, y);
         let (mut smallest, mut largest) = (here, here);
         let mut undecided = [false; LANES];
         for (k, place) in reach.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, rows);
             let v = row.unwrap_or(y);
-            let values = run::<_, EVERY>(scene.values.row(v), u);
-            let along = run::<_, EVERY>(scene.strip.slopes.along.row(scene.strip.row(v)), u);
-            let down = run::<_, EVERY>(scene.strip.slopes.down.row(scene.strip.row(v)), u);
-            let (dx, dy) = (place.columns as f32, place.rows as f32);
-            let inside = if row.is_some() { inside::<EVERY>(u, columns) } else { NONE };
+            let values = run(scene.values.row(v), u);
+            let along = run(scene.strip.slopes.along.row(scene.strip.row(v)), u);
+            let down = run(scene.strip.slopes.down.row(scene.strip.row(v)), u);
+            let [dx, dy] = place.pixels(reach.every);
+            let inside = if row.is_some() { inside(u, columns) } else { NONE };
             let disparities = &mut self.disparities[k];
             for l in 0..LANES {
                 let d = values[l] - (along[l] * dx + down[l] * dy);
@@ -211,22 +214,21 @@ impl Block {
         any
     }
 
-    /// Looks at the pixels, every so many-th, and at where their candidates come from.
+    /// Looks at the pixels, and at where their candidates come from.
     #[inline(always)]
-    pub fn look<const EVERY: usize>(&mut self, scene: &Scene<'_>) {
+    pub fn look(&mut self, scene: &Scene<'_>) {
         let (x, y) = (self.columns[0], self.y);
         let Scene { strip, given, .. } = scene;
-        let grey_here =
-            run::<_, EVERY>(strip.base.grey_row(strip.row(y)), (given.first + x) as i64);
+        let grey_here = run(strip.grey.row(strip.row(y)), x as i64);
         for (k, place) in self.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, scene.values.rows());
             let v = row.unwrap_or(y);
-            let reasons = run::<_, EVERY>(scene.reasons.row(v), u);
-            let grey = run::<_, EVERY>(strip.base.grey_row(strip.row(v)), given.first as i64 + u);
-            let sums_here = run::<_, EVERY>(strip.edges.row(place.way, strip.row(y)), x as i64);
-            let sums = run::<_, EVERY>(strip.edges.row(place.way, strip.row(v)), u);
-            self.confidence[k] = run::<_, EVERY>(scene.certainty.row(v), u).map(certainty::share);
-            self.doubt[k] = doubt::<EVERY>(given, u, v);
+            let reasons = run(scene.reasons.row(v), u);
+            let grey = run(strip.grey.row(strip.row(v)), u);
+            let sums_here = run(strip.edges.row(place.way, strip.row(y)), x as i64);
+            let sums = run(strip.edges.row(place.way, strip.row(v)), u);
+            self.confidence[k] = run(scene.certainty.row(v), u).map(certainty::share);
+            self.doubt[k] = doubt(given, u, v);
             for l in 0..LANES {
                 self.filled[k][l] = share(reasons[l] != Reason::Matched);
                 self.shade[k][l] = f32::from(grey[l].abs_diff(grey_here[l])) * 0.05;
@@ -235,7 +237,7 @@ impl Block {
             }
         }
         self.of_pixel[0] = self.confidence[0];
-        let reasons = run::<_, EVERY>(scene.reasons.row(y), x as i64);
+        let reasons = run(scene.reasons.row(y), x as i64);
         for l in 0..LANES {
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
             self.of_pixel[2][l] = share(reasons[l] == Reason::MismatchedFilled);
@@ -247,7 +249,7 @@ impl Block {
     /// Takes a pixel of another block, with all that was seen of it.
     #[inline(always)]
     pub fn take(&mut self, to: usize, other: &Block, from: usize) {
-        self.places = other.places;
+        (self.every, self.places) = (other.every, other.places);
         self.columns[to] = other.columns[from];
         self.here[to] = other.here[from];
         self.smallest[to] = other.smallest[from];
@@ -277,7 +279,7 @@ impl Block {
         }
         let mut columns = [0; LANES];
         for l in 0..LANES {
-            columns[l] = given.first + self.columns[l];
+            columns[l] = given.first + self.every * self.columns[l];
         }
         self.windows = Several::at(compared.base, &columns);
         let textures = self.windows.textures();
@@ -356,7 +358,8 @@ impl Block {
         let width = compared.other.len();
         let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
         for l in 0..LANES {
-            let column = (given.first + self.columns[l]) as i32 - nearest(disparities[l]);
+            let column =
+                (given.first + self.every * self.columns[l]) as i32 - nearest(disparities[l]);
             let last = width as i32 - 1;
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped > last { last } else { clamped };
@@ -414,30 +417,29 @@ fn share(is: bool) -> f32 {
     if is { 1.0 } else { 0.0 }
 }
 
-/// Every so many-th sample of a row from `start` on; beyond its ends the row is repeated.
+/// The samples of a row from `start` on; beyond its ends the row is repeated.
 #[inline(always)]
-pub(super) fn run<T: Copy, const EVERY: usize>(row: &[T], start: i64) -> [T; LANES] {
-    let all = const { EVERY * LANES };
-    match row.get(start as usize..).and_then(|row| row.get(..all)) {
-        Some(run) => std::array::from_fn(|l| run[EVERY * l]),
-        None => run_at_end(row, start, EVERY),
+pub(super) fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
+    match row.get(start as usize..).and_then(|row| row.first_chunk()) {
+        Some(run) => *run,
+        None => run_at_end(row, start),
     }
 }
 
 #[cold]
 #[inline(never)]
-fn run_at_end<T: Copy>(row: &[T], start: i64, every: usize) -> [T; LANES] {
+fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
     let last = row.len() as i64 - 1;
-    std::array::from_fn(|l| row[(start + (every * l) as i64).clamp(0, last) as usize])
+    std::array::from_fn(|l| row[(start + l as i64).clamp(0, last) as usize])
 }
 
-/// 1 for every so many-th column from `start` on that lies inside a row of so many, 0 for others.
+/// 1 for columns from `start` on that lie inside a row of so many, 0 for others.
 #[inline(always)]
-fn inside<const EVERY: usize>(start: i64, columns: usize) -> Lanes {
+fn inside(start: i64, columns: usize) -> Lanes {
     let mut inside = [1.0; LANES];
-    if start < 0 || start + (EVERY * LANES) as i64 > columns as i64 {
+    if start < 0 || start + LANES as i64 > columns as i64 {
         for l in 0..LANES {
-            inside[l] = share((0..columns as i64).contains(&(start + (EVERY * l) as i64)));
+            inside[l] = share((0..columns as i64).contains(&(start + l as i64)));
         }
     }
     inside
@@ -445,10 +447,10 @@ fn inside<const EVERY: usize>(start: i64, columns: usize) -> Lanes {
 
 /// 1 where descriptors were asked, else 0.
 #[inline(always)]
-fn doubt<const EVERY: usize>(given: &Given<'_>, u: i64, v: usize) -> Lanes {
+fn doubt(given: &Given<'_>, u: i64, v: usize) -> Lanes {
     let mut doubt = NONE;
     if !given.doubtful.samples().is_empty() {
-        let doubtful = run::<_, EVERY>(given.doubtful.row(v), u);
+        let doubtful = run(given.doubtful.row(v), u);
         for l in 0..LANES {
             doubt[l] = share(doubtful[l]);
         }
@@ -458,9 +460,9 @@ fn doubt<const EVERY: usize>(given: &Given<'_>, u: i64, v: usize) -> Lanes {
 
 /// Whether both views agreed on the pixels whenever they were asked.
 #[inline(always)]
-fn settled<const EVERY: usize>(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
-    let reasons = run::<_, EVERY>(scene.reasons.row(y), x as i64);
-    let doubt = doubt::<EVERY>(scene.given, x as i64, y);
+fn settled(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
+    let reasons = run(scene.reasons.row(y), x as i64);
+    let doubt = doubt(scene.given, x as i64, y);
     let mut settled = [false; LANES];
     for l in 0..LANES {
         settled[l] = (reasons[l] == Reason::Matched) & (doubt[l] == 0.0);

@@ -7,7 +7,6 @@
 use raster::Plane;
 use rayon::prelude::*;
 
-use super::looks::Looks;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
@@ -46,9 +45,10 @@ impl Edges {
         WAYS * size_of::<u16>() * pixels
     }
 
-    /// Adds up the steps of the columns `first..first + columns` of an image.
-    pub fn compute(&mut self, level: Level, image: &Looks, first: usize, columns: usize) -> Work {
-        let row = |y: usize| &image.row(y)[2][first..first + columns];
+    /// Adds up the steps of an image.
+    pub fn compute(&mut self, level: Level, image: &Plane<u8>) -> Work {
+        let columns = image.columns();
+        let row = |y: usize| image.row(y);
         self.0.par_iter_mut().enumerate().for_each(|(way, sums)| {
             sums.reshape(columns, image.rows(), 0);
             for y in 0..image.rows() {
@@ -107,12 +107,9 @@ mod tests {
 
     #[test]
     fn steps_are_those_on_the_way() {
-        let grey = Plane::from_fn(40, 9, |x, y| ((x * x * 13 + y * 57 + x * y * 5) % 251) as u8);
-        let mut looks = Looks::default();
-        looks.compute(Level::detect(), grey.view(), 0, 9);
+        let grey = Plane::from_fn(30, 9, |x, y| ((x * x * 13 + y * 57 + x * y * 5) % 251) as u8);
         let mut edges = Edges::default();
-        let (first, columns) = (5, 30);
-        edges.compute(Level::detect(), &looks, first, columns);
+        edges.compute(Level::detect(), &grey);
         let ways: [((i32, i32), (i32, i32)); 9] = [
             ((0, 0), (3, 3)),
             ((7, 0), (20, 0)),
@@ -128,7 +125,7 @@ mod tests {
             let (length, (sx, sy)) =
                 (i32::max(place.0.abs(), place.1.abs()), (place.0.signum(), place.1.signum()));
             let at = |n: i32| (x + n * sx, y + n * sy);
-            let shade = |(x, y): (i32, i32)| grey.row(y as usize)[first + x as usize];
+            let shade = |(x, y): (i32, i32)| grey.row(y as usize)[x as usize];
             let expected: u16 = (0..length)
                 .map(|n| {
                     u16::from(shade(at(n)).abs_diff(shade(at(n + 1))).saturating_sub(3).min(40))

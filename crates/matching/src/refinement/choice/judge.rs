@@ -27,7 +27,7 @@ const FAR: f32 = 3.0;
 const TOGETHER: usize = 4;
 
 /// The numbers of the two layers between; each a multiple of [`TOGETHER`].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Layers {
     pub first: usize,
     pub second: usize,
@@ -39,6 +39,7 @@ type Sums = [i32; LANES];
 type Pairs = [i32; LANES];
 
 /// The weights of a judge, those of [`TOGETHER`] sums for one pair of numbers after the other.
+#[derive(PartialEq)]
 pub(crate) struct Judge {
     layers: Layers,
     /// What a place adds to each sum of the first layer.

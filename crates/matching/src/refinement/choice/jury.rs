@@ -1,4 +1,4 @@
-//! The judges of a preset, and how often they are asked.
+//! The judges of a preset: one for each round.
 
 use std::sync::LazyLock;
 
@@ -9,22 +9,21 @@ use crate::Preset;
 /// Judges who look at the same candidates.
 pub(crate) struct Jury {
     pub reach: &'static Reach,
-    judges: Vec<Judge>,
-    /// Where there are several, how often the last one is asked again.
-    again: usize,
+    /// One for each round.
+    pub judges: Vec<Judge>,
 }
 
 static BALANCED: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&NARROW, Layers { first: 16, second: 8 }, include_bytes!("balanced.bin"), 1)
+    Jury::new(&NARROW, Layers { first: 16, second: 8 }, include_bytes!("balanced.bin"))
 });
 static BEST: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&WIDE, Layers { first: 32, second: 16 }, include_bytes!("best.bin"), 0)
+    Jury::new(&WIDE, Layers { first: 32, second: 16 }, include_bytes!("best.bin"))
 });
 
 impl Jury {
     /// From the weights of the judges one after the other, 32-bit floats in the order of
     /// [`Judge::new`]. `training/choice.py` makes them.
-    fn new(reach: &'static Reach, layers: Layers, trained: &[u8], again: usize) -> Self {
+    fn new(reach: &'static Reach, layers: Layers, trained: &[u8]) -> Self {
         let (numbers, rest) = trained.as_chunks();
         let judges = numbers.chunks_exact(Judge::numbers(reach, layers));
         let whole = rest.is_empty() && judges.remainder().is_empty();
@@ -32,7 +31,7 @@ impl Jury {
         let judge = |numbers: &[[u8; 4]]| {
             Judge::new(reach, layers, numbers.iter().copied().map(f32::from_le_bytes))
         };
-        Self { reach, judges: judges.map(judge).collect(), again }
+        Self { reach, judges: judges.map(judge).collect() }
     }
 
     /// That of `balanced`, or else that of `best`.
@@ -42,12 +41,6 @@ impl Jury {
             _ => &BEST,
         }
     }
-
-    /// Who is asked in each round.
-    pub fn rounds(&self) -> impl Iterator<Item = &Judge> {
-        let again = if self.judges.len() > 1 { self.again } else { 0 };
-        self.judges.iter().chain(std::iter::repeat_n(self.judges.last(), again).flatten())
-    }
 }
 
 #[cfg(test)]
@@ -55,13 +48,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_judge_has_a_round_and_the_last_one_of_balanced_another() {
-        for (preset, judges, again) in [(Preset::Balanced, 2, 1), (Preset::Best, 6, 0)] {
-            let rounds: Vec<&Judge> = Jury::of(preset).rounds().collect();
-            assert_eq!(rounds.len(), judges + again, "{preset}");
-            let others = rounds.windows(2).take(judges - 1);
-            assert!(others.into_iter().all(|pair| !std::ptr::eq(pair[0], pair[1])));
-            assert!(rounds[judges..].iter().all(|&judge| std::ptr::eq(judge, rounds[judges - 1])));
+    fn each_round_has_a_judge_of_its_own() {
+        for (preset, judges) in [(Preset::Balanced, 3), (Preset::Best, 6)] {
+            let found = &Jury::of(preset).judges;
+            assert_eq!(found.len(), judges, "{preset}");
+            for (i, judge) in found.iter().enumerate() {
+                assert!(!found[..i].contains(judge), "{preset}, round {i}");
+            }
         }
     }
 }

@@ -56,10 +56,10 @@ at_every_level! {
         pixel: (usize, usize),
     ) -> Option<Known> {
         let mut block = Block::default();
-        if !block.find::<1>(scene, reach, [true; LANES], pixel.0, pixel.1) || !block.open[0] {
+        if !block.find(scene, reach, [true; LANES], pixel.0, pixel.1) || !block.open[0] {
             return None;
         }
-        block.look::<1>(scene);
+        block.look(scene);
         block.compare(1, scene.given, compared);
         let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
         for k in 0..block.candidates() {
@@ -74,8 +74,8 @@ at_every_level! {
     }
 }
 
-/// Says which pixels of a map of disparities.
-pub(crate) type Pick = dyn FnMut(&Plane<f32>) -> Vec<Pixel> + Send;
+/// Says which pixels of an image, of whose disparities it is shown every so many-th of every so many-th row.
+pub(crate) type Pick = dyn FnMut(&Plane<f32>, usize) -> Vec<Pixel> + Send;
 
 /// Pixels, and what is known of them.
 pub(crate) struct Lesson {
@@ -84,13 +84,13 @@ pub(crate) struct Lesson {
 }
 
 impl Lesson {
-    pub fn new(pick: impl FnMut(&Plane<f32>) -> Vec<Pixel> + Send + 'static) -> Self {
+    pub fn new(pick: impl FnMut(&Plane<f32>, usize) -> Vec<Pixel> + Send + 'static) -> Self {
         Self { pick: Box::new(pick), known: Vec::new() }
     }
 
-    /// Picks pixels of a map.
-    pub fn pick(&mut self, values: &Plane<f32>) -> Vec<Pixel> {
-        (self.pick)(values)
+    /// Picks pixels of an image, of which these are the disparities of every so many-th of every so many-th row.
+    pub fn pick(&mut self, values: &Plane<f32>, every: usize) -> Vec<Pixel> {
+        (self.pick)(values, every)
     }
 
     /// Remembers what is known of the pixels in some rows that have a choice.
@@ -104,13 +104,13 @@ impl Lesson {
     ) {
         let mut windows = scene.given.grey.map(|image| Windows::new(image.columns()));
         for row in pixels.chunk_by(|one, next| one.row == next.row) {
-            let y = row[0].row;
+            let y = row[0].row / reach.every;
             if !rows.contains(&y) {
                 continue;
             }
             let compared = Compared::row(level, scene, &mut windows, y);
             for &pixel in row {
-                let known = known(level, scene, reach, &compared, (pixel.column, y));
+                let known = known(level, scene, reach, &compared, (pixel.column / reach.every, y));
                 self.known.extend(known.map(|known| (pixel, known)));
             }
         }

@@ -1,6 +1,6 @@
-//! What a pixel looks like: a 3 x 3 census, the grey step along the row, and the grey value itself.
+//! What a pixel looks like: a 3 x 3 census, and the grey step along the row.
 //!
-//! In: an image. Out: three bytes per pixel; those of one kind lie side by side in a row.
+//! In: an image. Out: two bytes per pixel; those of one kind lie side by side in a row.
 
 use raster::{Plane, View};
 use rayon::prelude::*;
@@ -9,8 +9,7 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
 use crate::profile::Work;
 
-/// What the pixels of one image are compared by: a row holds census words, then grey steps, then
-/// grey values.
+/// What the pixels of one image are compared by: a row holds census words, then grey steps.
 #[derive(Debug, Default)]
 pub(crate) struct Looks(Plane<u8>);
 
@@ -24,16 +23,14 @@ impl Looks {
         rows: usize,
     ) -> Work {
         let (columns, height) = (image.columns(), image.rows());
-        self.0.reshape(3 * columns, rows, 0);
-        let looks = self.0.samples_mut().par_chunks_mut(3 * columns).enumerate();
+        self.0.reshape(2 * columns, rows, 0);
+        let looks = self.0.samples_mut().par_chunks_mut(2 * columns).enumerate();
         looks.for_each(|(y, looks)| {
             let y = first + y;
             let near = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| image.row(y));
-            let (census, rest) = looks.split_at_mut(columns);
-            let (steps, grey) = rest.split_at_mut(columns);
+            let (census, steps) = looks.split_at_mut(columns);
             census_of_row(level, near, census);
             steps_along_row(image.row(y), steps);
-            grey.copy_from_slice(image.row(y));
         });
         Work::bytes(columns * rows + self.bytes())
     }
@@ -44,24 +41,17 @@ impl Looks {
     }
 
     pub fn columns(&self) -> usize {
-        self.0.columns() / 3
+        self.0.columns() / 2
     }
 
     pub fn rows(&self) -> usize {
         self.0.rows()
     }
 
-    /// The grey values of row `y`.
-    #[inline(always)]
-    pub fn grey_row(&self, y: usize) -> &[u8] {
-        &self.0.row(y)[2 * self.columns()..]
-    }
-
     /// The parts of row `y`.
-    pub fn row(&self, y: usize) -> [&[u8]; 3] {
-        let row = self.0.row(y);
-        let columns = self.columns();
-        [0, 1, 2].map(|part| &row[part * columns..][..columns])
+    pub fn row(&self, y: usize) -> [&[u8]; 2] {
+        let (census, steps) = self.0.row(y).split_at(self.columns());
+        [census, steps]
     }
 }
 
@@ -110,10 +100,7 @@ mod tests {
         for level in Level::available() {
             looks.compute(level, image.view(), 1, 1);
             // Below 3: 1 and its repetition. Below 4: 1, 2 and 3. Below 5: 4 and 2 twice.
-            assert_eq!(
-                looks.row(0),
-                [&[0b1100_0000, 0b1011_0000, 0b0111_0000], &[129, 130, 129], &[3, 4, 5]]
-            );
+            assert_eq!(looks.row(0), [&[0b1100_0000, 0b1011_0000, 0b0111_0000], &[129, 130, 129]]);
         }
     }
 }

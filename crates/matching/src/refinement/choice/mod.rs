@@ -24,6 +24,7 @@ mod moved;
 mod reach;
 mod rounds;
 mod slopes;
+mod sparse;
 mod strip;
 mod windows;
 
@@ -90,7 +91,6 @@ fn choose(
     out: &mut Plane<f32>,
 ) -> Work {
     let columns = scene.values.columns();
-    let choose_row = if reach.every == 1 { choose_row::<1> } else { choose_row::<2> };
     let samples = rows.start * columns..rows.end * columns;
     let certainty = certainty.samples_mut()[samples.clone()].chunks_exact_mut(columns);
     let lines = out.samples_mut()[samples.clone()].chunks_exact_mut(columns).zip(certainty);
@@ -105,7 +105,7 @@ fn choose(
                 Some(_) => certainty.copy_from_slice(scene.certainty.row(y)),
             }
             let seen = |moved: &Moved| moved.seen_from(level, reach, y, marks);
-            if y.is_multiple_of(reach.every) && moved.is_none_or(seen) {
+            if moved.is_none_or(seen) {
                 let compared = Compared::row(level, scene, windows, y);
                 let (judge, memory) = ((reach, judge), (&mut *block, &mut *asked, &mut *mind));
                 chosen +=
@@ -117,14 +117,13 @@ fn choose(
     // Values are copied, certainty written. In rows that are asked, values, slopes and the right view are
     // read, the choice written; edges are read in four ways; reasons, doubts, certainty and the looks of
     // both views are bytes.
-    let asked = samples.len() / reach.every;
-    Work::bytes((2 * 4 + 1) * samples.len() + (4 * (4 + 1) + 2 * 4 + 3 + 2 * 3) * asked)
+    Work::bytes((2 * 4 + 1 + 4 * (4 + 1) + 2 * 4 + 3 + 2 * 3) * samples.len())
         + Work::operations(judge.operations()) * chosen.sum::<usize>()
 }
 
 at_every_level! {
-    /// Lets every so many-th of the marked pixels of row `y` choose; how many had a choice.
-    fn choose_row<const EVERY: usize>[products](
+    /// Lets the marked pixels of row `y` choose; how many had a choice.
+    fn choose_row[products](
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
@@ -135,12 +134,12 @@ at_every_level! {
     ) -> usize {
         let ((reach, judge), (block, asked, mind), (y, marks)) = (judge, memory, row);
         let (mut chosen, mut waiting) = (0, 0);
-        for x in (0..out.len()).step_by(EVERY * LANES) {
-            let marked = run::<_, EVERY>(marks, x as i64);
-            if block.find::<EVERY>(scene, reach, marked, x, y) {
-                block.look::<EVERY>(scene);
+        for x in (0..out.len()).step_by(LANES) {
+            let marked = run(marks, x as i64);
+            if block.find(scene, reach, marked, x, y) {
+                block.look(scene);
             }
-            let last = x + EVERY * LANES >= out.len();
+            let last = x + LANES >= out.len();
             for l in 0..LANES {
                 if block.open[l] {
                     asked.take(waiting, block, l);
@@ -363,8 +362,9 @@ mod tests {
     #[test]
     fn every_level_and_number_of_threads_chooses_the_same() {
         let mut chance = Chance(9);
+        let narrow = Reach { every: 1, ..NARROW };
         let shapes =
-            [(&NARROW, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
+            [(&narrow, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
         let judges =
             shapes.map(|(reach, layers)| (reach, judge_by_chance(reach, layers, &mut chance)));
         for (columns, (reach, judge)) in
@@ -390,26 +390,66 @@ mod tests {
         }
     }
 
+    /// Every second pixel of every second row.
+    fn second<T: Clone>(plane: &Plane<T>) -> Plane<T> {
+        let (columns, rows) = plane.size();
+        let sample = |x: usize, y: usize| plane.row(2 * y)[2 * x].clone();
+        Plane::from_fn(columns.div_ceil(2), rows.div_ceil(2), sample)
+    }
+
     #[test]
-    fn every_second_pixel_is_asked_as_if_all_were() {
+    fn of_every_second_pixel_is_known_what_would_be_of_all() {
         let mut chance = Chance(4);
-        let judge = judge_by_chance(&NARROW, Layers { first: 16, second: 8 }, &mut chance);
-        let all = Reach { every: 1, ..NARROW };
-        for columns in [1, 2, 31, 32, 33, 63, 64, 65] {
-            let values =
-                Plane::from_fn(columns, ROWS, |x, _| truth(x + FIRST) + 3.0 * chance.share());
-            let world = World::new(values);
-            let level = Level::detect();
-            let [some, every] =
-                [&NARROW, &all].map(|reach| world.judged(level, (reach, &judge), 1));
-            for (y, x) in (0..ROWS).flat_map(|y| (0..columns).map(move |x| (y, x))) {
-                if y % 2 == 0 && x % 2 == 0 {
-                    let of =
-                        |(out, sure): &(Plane<f32>, Plane<u8>)| (out.row(y)[x], sure.row(y)[x]);
-                    assert_eq!(of(&some), of(&every), "{columns} columns, pixel ({x}, {y})");
-                }
-            }
+        let level = Level::detect();
+        // The same places, counted in pixels.
+        let twice = |place: &reach::Place| reach::Place {
+            columns: 2 * place.columns,
+            rows: 2 * place.rows,
+            ..*place
+        };
+        let places: Vec<_> = NARROW.places.iter().map(twice).collect();
+        let wide = Reach { every: 1, places: Box::leak(places.into_boxed_slice()), ..NARROW };
+        let values = Plane::from_fn(COLUMNS, ROWS, |x, _| truth(x + FIRST) + 9.0 * chance.share());
+        let mut all = World::new(values);
+        all.reasons = all.values.map(|_| match chance.bits(1) {
+            0 => Reason::Matched,
+            _ => Reason::OccludedFilled,
+        });
+        all.certainty = all.values.map(|_| chance.bits(8) as u8);
+        all.doubtful = all.values.map(|_| chance.bits(1) > 0);
+        let mut some = World::new(second(&all.values));
+        (some.grey, some.right) = (all.grey.clone(), all.right.clone());
+        some.reasons = second(&all.reasons);
+        some.certainty = second(&all.certainty);
+        some.doubtful = second(&all.doubtful);
+        for (world, reach) in [(&mut all, &wide), (&mut some, &NARROW)] {
+            let mut strip = Strip::default();
+            let rows = 0..world.values.rows();
+            strip.look(level, &world.given(), reach, world.values.size(), &rows);
+            // Between pixels nothing is known of slopes.
+            strip.slope(level, &world.values.map(|_| 5.0));
+            world.strip = strip;
         }
+        let mut known = 0;
+        for (y, x) in (0..ROWS / 2).flat_map(|y| (0..COLUMNS / 2).map(move |x| (y, x))) {
+            let of = |world: &World, reach, (x, y)| {
+                let mut known = Known::of(level, &world.scene(&world.given()), reach, (x, y))?;
+                // Nor of edges. What comes from outside the map does not count.
+                for i in [17, 19] {
+                    known.of_each[i].fill(0.0);
+                }
+                for of_each in &mut known.of_each {
+                    let outside =
+                        of_each.iter_mut().zip(&known.inside).filter(|(_, inside)| !**inside);
+                    outside.for_each(|(hint, _)| *hint = 0.0);
+                }
+                Some(known)
+            };
+            let found = of(&some, &NARROW, (x, y));
+            assert_eq!(found, of(&all, &wide, (2 * x, 2 * y)), "column {x}, row {y}");
+            known += usize::from(found.is_some());
+        }
+        assert!(known > 500, "{known} pixels have a choice");
     }
 
     #[test]
@@ -464,7 +504,7 @@ mod tests {
                 let jury = Jury::of(preset);
                 // Every pixel is asked.
                 let reach = Reach { every: 1, ..*jury.reach };
-                let judge = (&reach, jury.rounds().next().expect("a first round"));
+                let judge = (&reach, &jury.judges[0]);
                 let (out, _) = world.judged(Level::detect(), judge, 1);
                 let [before, after] = [&world.values, &out].map(wrong);
                 eprintln!("{preset}, texture {texture}: of {before} wrong pixels {after} are left");

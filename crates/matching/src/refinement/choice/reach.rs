@@ -5,7 +5,7 @@ use super::edges::way;
 /// The most candidates that a pixel has.
 pub(crate) const MOST: usize = 32;
 
-/// A place that a candidate comes from, seen from the pixel.
+/// A place that a candidate comes from, seen from the pixel, in pixels that are asked.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     pub columns: i32,
@@ -15,6 +15,12 @@ pub(crate) struct Place {
 }
 
 impl Place {
+    /// How many columns and rows of the image away it is where every so many-th pixel is asked.
+    #[inline(always)]
+    pub fn pixels(&self, every: usize) -> [f32; 2] {
+        [self.columns, self.rows].map(|way| (way * every as i32) as f32)
+    }
+
     /// The column in which it lies from pixel `(x, y)`, and its row if a map of so many has it.
     #[inline(always)]
     pub fn seen_from(&self, x: usize, y: usize, rows: usize) -> (i64, Option<usize>) {
@@ -34,12 +40,13 @@ pub(crate) struct Reach {
     pub settled: f32,
     /// Where all candidates lie within so many pixels there is nothing to choose.
     pub choice: f32,
-    /// Every so many-th pixel of every so many-th row is asked, 1 or 2: those between follow.
+    /// Every so many-th pixel of every so many-th row is asked, 1 or 2: those between follow. Only pixels
+    /// that are asked are looked at, and places count no others.
     pub every: usize,
 }
 
 impl Reach {
-    /// How many rows it goes up or down.
+    /// How many rows that are asked it goes up or down.
     pub fn rows(&self) -> usize {
         self.places.iter().map(|place| place.rows.unsigned_abs() as usize).max().unwrap_or(0)
     }
@@ -62,18 +69,26 @@ pub(crate) static NARROW: Reach = Reach {
     places: &const {
         places([
             (0, 0),
-            (3, 0),
-            (-3, 0),
-            (0, 3),
-            (0, -3),
-            (5, 5),
-            (-5, -5),
-            (5, -5),
-            (-5, 5),
-            (10, 0),
-            (-10, 0),
-            (0, 10),
-            (0, -10),
+            (1, 0),
+            (-1, 0),
+            (0, 1),
+            (0, -1),
+            (2, 2),
+            (-2, -2),
+            (2, -2),
+            (-2, 2),
+            (5, 0),
+            (-5, 0),
+            (0, 5),
+            (0, -5),
+            (8, 8),
+            (-8, -8),
+            (8, -8),
+            (-8, 8),
+            (12, 0),
+            (-12, 0),
+            (0, 12),
+            (0, -12),
             (24, 0),
             (-24, 0),
             (0, -24),

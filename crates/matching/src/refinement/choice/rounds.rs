@@ -1,14 +1,14 @@
-//! The rounds of choices: one for each judge, and more where the map moved.
+//! The rounds of choices, one for each judge: all pixels first, then those that see where the map moved.
 
 use raster::{Plane, Reason, View};
 use rayon::prelude::*;
 
-use super::between::follow;
 use super::block::{Given, Scene};
 use super::certainty;
 use super::jury::Jury;
 use super::lesson::Lesson;
 use super::moved::Moved;
+use super::sparse::{Sparse, asked};
 use super::strip::Strip;
 use super::{Worker, choose};
 use crate::kernels::level::Level;
@@ -33,17 +33,28 @@ pub(crate) struct Choices {
     strip: Strip,
     /// One for each thread.
     workers: Vec<Worker>,
+    sparse: Sparse,
     /// Where judges are taught: what is known when those that there are have spoken.
     lesson: Option<Lesson>,
 }
 
+/// A map on which a round works: its disparities, the memory of those of the next one, its reasons.
+pub(super) struct Map<'a> {
+    pub values: &'a mut Plane<f32>,
+    pub other: &'a mut Plane<f32>,
+    pub reasons: &'a mut Plane<Reason>,
+}
+
 impl Choices {
     /// What they take for a map of so many columns and rows, in images of a width.
-    pub fn bytes(jury: &Jury, (columns, rows): (usize, usize), width: usize) -> usize {
+    pub fn bytes(jury: &Jury, size: (usize, usize), width: usize) -> usize {
+        let every = jury.reach.every;
+        let (columns, rows) = asked(every, size);
         let pixels = columns * rows;
         let maps = 2 * size_of::<u8>() * pixels + Moved::bytes(pixels);
         let workers = rayon::current_num_threads() * Worker::bytes(columns, width);
-        maps + Strip::bytes(columns, rows, width, jury.reach) + workers
+        let sparse = if every > 1 { Sparse::bytes(pixels, size) } else { 0 };
+        maps + Strip::bytes(columns, rows, width, jury.reach) + workers + sparse
     }
 
     pub fn new(jury: &'static Jury) -> Self {
@@ -54,6 +65,7 @@ impl Choices {
             moved: Moved::default(),
             strip: Strip::default(),
             workers: Vec::new(),
+            sparse: Sparse::default(),
             lesson: None,
         }
     }
@@ -75,7 +87,7 @@ impl Choices {
 
     /// How sure the last judge was, pixel after pixel, as a [share](super::certainty::share).
     pub fn certainty(&self) -> &[u8] {
-        self.certainty.samples()
+        if self.jury.reach.every > 1 { self.sparse.told() } else { self.certainty.samples() }
     }
 
     /// Lets the pixels of `values`, a map without holes, choose, in so many rounds if the jury has as many.
@@ -89,22 +101,47 @@ impl Choices {
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
+        let ViewMap { values: other, reasons, .. } = map;
+        let every = self.jury.reach.every;
+        if every == 1 {
+            let done = keep(every, confidence, &mut self.certainty);
+            return done + self.rounds(level, rounds, given, &mut Map { values, other, reasons });
+        }
+        let mut sparse = std::mem::take(&mut self.sparse);
+        let mut done = keep(every, confidence, &mut self.certainty);
+        done = done + sparse.take(every, values, reasons, given);
+        let (mut pixels, doubtful) = sparse.map();
+        done = done + self.rounds(level, rounds, &Given { doubtful, ..*given }, &mut pixels);
+        done = done + sparse.follow(level, given, values, &self.certainty, other);
+        std::mem::swap(values, other);
+        done = done + unconfirm(given, 1, other, values, reasons);
+        self.sparse = sparse;
+        done
+    }
+
+    /// Lets pixels choose, round by round.
+    fn rounds(
+        &mut self,
+        level: Level,
+        rounds: usize,
+        given: &Given<'_>,
+        map: &mut Map<'_>,
+    ) -> Work {
         let Self { jury, certainty, next, moved, strip, workers, .. } = self;
+        let Map { values, other, reasons } = map;
         let reach = jury.reach;
         let (columns, rows) = values.size();
         workers.resize_with(rayon::current_num_threads(), Default::default);
         workers.iter_mut().for_each(|worker| worker.reset(columns, given.grey[0].columns()));
-        let ViewMap { values: other, reasons, .. } = map;
         other.reshape(columns, rows, 0.0);
         next.reshape(columns, rows, 0);
-        certainty.reshape(columns, rows, 0);
-        let mut done = keep(confidence, certainty);
+        let mut done = Work::default();
         let several = Strip::all(rows).count() > 1;
-        for (round, judge) in jury.rounds().take(rounds).enumerate() {
+        for (round, judge) in jury.judges.iter().take(rounds).enumerate() {
             if round > 0 {
                 done = done + moved.find(level, other, values);
                 done = done + median_of_map(level, values, other);
-                std::mem::swap(values, other);
+                std::mem::swap(*values, *other);
             }
             for rows in Strip::all(rows) {
                 // What is seen of the images stays.
@@ -117,12 +154,9 @@ impl Choices {
                 let judge = (reach, judge);
                 done = done + choose(level, judge, &scene, moved, rows, workers, next, other);
             }
-            if reach.every > 1 {
-                done = done + follow(level, given, values, next, other);
-            }
-            std::mem::swap(values, other);
+            std::mem::swap(*values, *other);
             std::mem::swap(certainty, next);
-            done = done + unconfirm(given, other, values, reasons);
+            done = done + unconfirm(given, reach.every, other, values, reasons);
         }
         done
     }
@@ -135,13 +169,21 @@ impl Choices {
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) {
-        let Self { jury, certainty, strip, lesson: Some(lesson), .. } = self else { return };
+        let Self { jury, certainty, strip, sparse, lesson: Some(lesson), .. } = self else {
+            return;
+        };
+        let every = jury.reach.every;
         let ViewMap { values: other, reasons, .. } = map;
-        if jury.rounds().next().is_some() {
+        let (Map { values, other, reasons }, doubtful) = match every {
+            1 => (Map { values, other, reasons }, given.doubtful),
+            _ => sparse.map(),
+        };
+        let given = &Given { doubtful, ..*given };
+        if !jury.judges.is_empty() {
             median_of_map(level, values, other);
             std::mem::swap(values, other);
         }
-        let pixels = lesson.pick(values);
+        let pixels = lesson.pick(values, every);
         for rows in Strip::all(values.rows()) {
             strip.look(level, given, jury.reach, values.size(), &rows);
             strip.slope(level, values);
@@ -151,22 +193,25 @@ impl Choices {
     }
 }
 
-/// Keeps in bytes how sure the paths are.
-fn keep(confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> Work {
-    let columns = certainty.columns();
-    let rows = certainty.samples_mut().par_chunks_mut(columns).enumerate();
-    rows.for_each(|(y, certainty)| {
-        for (byte, &share) in certainty.iter_mut().zip(confidence.row(y)) {
+/// Keeps in bytes how sure the paths are of every so many-th pixel of every so many-th row.
+fn keep(every: usize, confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> Work {
+    let (columns, rows) = asked(every, (confidence.columns(), confidence.rows()));
+    certainty.reshape(columns, rows, 0);
+    let lines = certainty.samples_mut().par_chunks_mut(columns).enumerate();
+    lines.for_each(|(y, certainty)| {
+        let shares = confidence.row(every * y).iter().step_by(every);
+        for (byte, &share) in certainty.iter_mut().zip(shares) {
             *byte = certainty::byte(share);
         }
     });
     Work::bytes((size_of::<f32>() + size_of::<u8>()) * certainty.samples().len())
 }
 
-/// Says what the pixels of a map are that had the disparities `before`: one that took another is not
+/// Says what the pixels of a map are, every so many-th one of the image, that had the disparities `before`: one that took another is not
 /// confirmed any more.
 fn unconfirm(
     given: &Given<'_>,
+    every: usize,
     before: &Plane<f32>,
     now: &Plane<f32>,
     reasons: &mut Plane<Reason>,
@@ -176,20 +221,20 @@ fn unconfirm(
     rows.for_each(|(y, reasons)| {
         let values = before.row(y).chunks(TOGETHER).zip(now.row(y).chunks(TOGETHER));
         let blocks = values.zip(reasons.chunks_mut(TOGETHER));
-        for (first, ((before, now), reasons)) in (given.first..).step_by(TOGETHER).zip(blocks) {
+        for (first, ((before, now), reasons)) in (0..).step_by(TOGETHER).zip(blocks) {
             let pixels = || before.iter().zip(now).map(|(before, now)| (before - now).abs());
             let confirmed = |off: f32, reason| (off <= CONFIRMED) & (reason == Reason::Matched);
             let all = pixels().zip(&*reasons).fold(true, |all, (off, &r)| all & confirmed(off, r));
             if all {
                 continue;
             }
-            for ((column, (off, now)), reason) in (first..).zip(pixels().zip(now)).zip(reasons) {
+            for ((x, (off, now)), reason) in (first..).zip(pixels().zip(now)).zip(reasons) {
                 let hole = match *reason {
                     Reason::Matched if off <= CONFIRMED => continue,
                     Reason::Matched | Reason::MismatchedFilled => Reason::MismatchedHole,
                     _ => Reason::OccludedHole,
                 };
-                *reason = filled(width, column, *now, hole);
+                *reason = filled(width, given.first + every * x, *now, hole);
             }
         }
     });

@@ -1,5 +1,5 @@
-//! The slopes of a disparity map: medians of differences over four pixels, in a 5 x 5 window, clamped
-//! to 1/2. Beside an edge most of the window lies on one side.
+//! The slopes of a disparity map: medians of differences over four samples, in a 5 x 5 window, clamped
+//! to 1/2 per pixel. Beside an edge most of the window lies on one side.
 //!
 //! Medians are found among whole numbers of 16 bits, steps of 1/32768: twice as many at once as with floats.
 //! Five windows above each other see the same row: its differences are taken once.
@@ -47,8 +47,14 @@ impl Slopes {
         2 * size_of::<f32>() * columns * rows + bands
     }
 
-    /// The slopes of some rows of a map.
-    pub fn compute(&mut self, level: Level, values: &Plane<f32>, rows: Range<usize>) -> Work {
+    /// The slopes per pixel of some rows of a map, whose samples are so many pixels apart.
+    pub fn compute(
+        &mut self,
+        level: Level,
+        values: &Plane<f32>,
+        apart: usize,
+        rows: Range<usize>,
+    ) -> Work {
         let columns = values.columns();
         let Self { along, down, bands } = self;
         along.reshape(columns, rows.len(), 0.0);
@@ -57,10 +63,11 @@ impl Slopes {
         bands.resize_with(threads, Band::default);
         bands.iter_mut().for_each(|band| band.reset(columns));
         let height = rows.len().div_ceil(threads);
+        let share = 1.0 / (4 * apart) as f32;
         let along = along.samples_mut().par_chunks_mut(height * columns);
         let down = down.samples_mut().par_chunks_mut(height * columns);
         along.zip(down).zip(bands).enumerate().for_each(|(i, ((along, down), band))| {
-            band.slopes(level, values, rows.start + i * height, along, down);
+            band.slopes(level, (values, share), rows.start + i * height, along, down);
         });
         let pixels = columns * rows.len();
         Work::bytes(3 * 4 * pixels) + Work::operations(2 * median::OPERATIONS) * pixels
@@ -76,11 +83,11 @@ impl Band {
         }
     }
 
-    /// The slopes of rows from `first` on.
+    /// The slopes of rows from `first` on; that over four samples is this share of their difference.
     fn slopes(
         &mut self,
         level: Level,
-        values: &Plane<f32>,
+        (values, share): (&Plane<f32>, f32),
         first: usize,
         along: &mut [f32],
         down: &mut [f32],
@@ -92,14 +99,14 @@ impl Band {
         for (y, (along, down)) in (first..).zip(slopes) {
             while next <= (y + REACH).min(last) {
                 let place = next % SIDE;
-                differences_along(level, values.row(next), &mut self.along[place]);
+                differences_along(level, values.row(next), share, &mut self.along[place]);
                 // Where there is no difference all are 0.
                 let [above, below] = match rows {
                     0..SIDE => [next; 2],
                     _ => [0, SIDE - 1].map(|v| next.clamp(REACH, last - REACH) - REACH + v),
                 }
                 .map(|v| values.row(v));
-                differences(level, above, below, &mut self.down[place]);
+                differences(level, above, below, share, &mut self.down[place]);
                 next += 1;
             }
             let near: [usize; SIDE] =
@@ -114,15 +121,15 @@ impl Band {
 }
 
 at_every_level! {
-    /// The slopes over four pixels from one row to another.
-    fn differences(from: &[f32], to: &[f32], out: &mut [u16]) {
+    /// The slopes over four samples from one row to another.
+    fn differences(from: &[f32], to: &[f32], share: f32, out: &mut [u16]) {
         for (out, (from, to)) in out.iter_mut().zip(from.iter().zip(to)) {
-            *out = steps(to - from);
+            *out = steps(share * (to - from));
         }
     }
 
-    /// The slopes over four pixels along a row.
-    fn differences_along(row: &[f32], out: &mut [u16]) {
+    /// The slopes over four samples along a row.
+    fn differences_along(row: &[f32], share: f32, out: &mut [u16]) {
         let columns = row.len();
         if columns < SIDE {
             out.fill(steps(0.0));
@@ -130,7 +137,7 @@ at_every_level! {
         }
         let inner = &mut out[REACH..columns - REACH];
         for (out, (from, to)) in inner.iter_mut().zip(row.iter().zip(&row[2 * REACH..])) {
-            *out = steps(to - from);
+            *out = steps(share * (to - from));
         }
         let (first, last) = (out[REACH], out[columns - 1 - REACH]);
         out[..REACH].fill(first);
@@ -144,10 +151,9 @@ at_every_level! {
     }
 }
 
-/// The slope over four pixels in steps, clamped, which does not change which of several is the median.
+/// A slope in steps, clamped, which does not change which of several is the median.
 #[inline(always)]
-fn steps(difference: f32) -> u16 {
-    let slope = 0.25 * difference;
+fn steps(slope: f32) -> u16 {
     let slope = if slope < STEEPEST { slope } else { STEEPEST };
     let slope = if slope > -STEEPEST { slope } else { -STEEPEST };
     (nearest(slope * STEPS) + ZERO) as u16
@@ -159,7 +165,7 @@ mod tests {
     use crate::chance::Chance;
 
     /// The slopes at a pixel: the definition.
-    fn slopes_at(values: &Plane<f32>, x: usize, y: usize) -> (f32, f32) {
+    fn slopes_at(values: &Plane<f32>, apart: usize, x: usize, y: usize) -> (f32, f32) {
         let (columns, rows) = values.size();
         let window = |at: usize, end: usize| {
             (-2..=2).map(move |i| (at as i64 + i).clamp(0, end as i64 - 1) as usize)
@@ -174,14 +180,14 @@ mod tests {
             0..5 => 0.0,
             _ => {
                 let (u, row) = (u.clamp(2, columns - 3), values.row(v));
-                0.25 * (row[u + 2] - row[u - 2])
+                0.25 / apart as f32 * (row[u + 2] - row[u - 2])
             }
         };
         let down = |u: usize, v: usize| match rows {
             0..5 => 0.0,
             _ => {
                 let v = v.clamp(2, rows - 3);
-                0.25 * (values.row(v + 2)[u] - values.row(v - 2)[u])
+                0.25 / apart as f32 * (values.row(v + 2)[u] - values.row(v - 2)[u])
             }
         };
         (median(&along), median(&down))
@@ -199,15 +205,21 @@ mod tests {
             });
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                for (threads, part) in [(1, 0..rows), (2, 0..rows), (3, rows / 3..rows)] {
+                for (threads, apart, part) in
+                    [(1, 1, 0..rows), (2, 2, 0..rows), (3, 1, rows / 3..rows)]
+                {
                     let mut slopes = Slopes::default();
                     let pool =
                         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                    pool.install(|| slopes.compute(level, &values, part.clone()));
+                    pool.install(|| slopes.compute(level, &values, apart, part.clone()));
                     for (y, x) in part.clone().flat_map(|y| (0..columns).map(move |x| (y, x))) {
                         let [along, down] =
                             [&slopes.along, &slopes.down].map(|s| s.row(y - part.start)[x]);
-                        assert_eq!((along, down), slopes_at(&values, x, y), "column {x}, row {y}");
+                        assert_eq!(
+                            (along, down),
+                            slopes_at(&values, apart, x, y),
+                            "column {x}, row {y}"
+                        );
                     }
                 }
             }

@@ -10,6 +10,7 @@ use super::edges::Edges;
 use super::looks::Looks;
 use super::reach::Reach;
 use super::slopes::Slopes;
+use super::sparse::take_every;
 use super::windows::APART;
 use crate::kernels::level::Level;
 use crate::profile::Work;
@@ -18,13 +19,18 @@ use crate::profile::Work;
 const LEAST: usize = 192;
 
 /// The looks of both images, the slopes of a map and the edges of the left image, in some of their rows.
+/// Of slopes and edges there are those of the pixels that are asked.
 #[derive(Default)]
 pub(crate) struct Strip {
     /// The row of the map at which it begins.
     top: usize,
+    /// A row of the map is every so many-th one of the image.
+    every: usize,
     pub base: Looks,
     pub other: Looks,
     pub slopes: Slopes,
+    /// The grey values of the left image.
+    pub grey: Plane<u8>,
     pub edges: Edges,
 }
 
@@ -32,18 +38,24 @@ impl Strip {
     /// What one takes of a map of so many columns and rows, in images of a width.
     pub fn bytes(columns: usize, rows: usize, width: usize, reach: &Reach) -> usize {
         let rows = Self::height(rows, reach);
-        let looks = 2 * 3 * width * rows;
-        looks + Slopes::bytes(columns, rows) + Edges::bytes(columns * rows)
+        let looks = 2 * 2 * width * reach.every * rows;
+        let pixels = columns * rows;
+        looks + Slopes::bytes(columns, rows) + pixels + Edges::bytes(pixels)
     }
 
     /// How many rows it has where the map has so many.
     fn height(rows: usize, reach: &Reach) -> usize {
-        rows.min(Self::rows(rows) + 2 * (reach.rows() + APART))
+        rows.min(Self::rows(rows) + 2 * Self::margin(reach))
     }
 
     /// How many rows of a map are worked on with it.
     fn rows(rows: usize) -> usize {
         rows.div_ceil((rows / LEAST).max(1))
+    }
+
+    /// How many rows beyond these are looked at.
+    fn margin(reach: &Reach) -> usize {
+        reach.rows() + APART.div_ceil(reach.every)
     }
 
     /// The rows of a map, in strips.
@@ -52,7 +64,7 @@ impl Strip {
         (0..rows).step_by(height).map(move |first| first..(first + height).min(rows))
     }
 
-    /// Looks at the images wherever pixels of these rows of a map reach.
+    /// Looks at the images wherever pixels of these rows of a map reach, which has so many columns and rows.
     pub fn look(
         &mut self,
         level: Level,
@@ -63,25 +75,38 @@ impl Strip {
     ) -> Work {
         // All strips have one height, so that memory is taken once.
         let height = Self::height(all, reach);
-        let above = rows.start.saturating_sub(reach.rows() + APART);
+        let above = rows.start.saturating_sub(Self::margin(reach));
         self.top = above.min(all - height);
+        self.every = reach.every;
         let [base, other] = given.grey;
-        let top = given.top + self.top;
-        self.base.compute(level, base, top, height)
-            + self.other.compute(level, other, top, height)
-            + self.edges.compute(level, &self.base, given.first, columns)
+        let top = given.top + self.every * self.top;
+        let lines = (self.every * height).min(base.rows() - top);
+        take_every(reach.every, base, (given.first, top), (columns, height), &mut self.grey);
+        self.base.compute(level, base, top, lines)
+            + self.other.compute(level, other, top, lines)
+            + self.edges.compute(level, &self.grey)
     }
 
     /// Finds the slopes of the map in the rows that were looked at.
     pub fn slope(&mut self, level: Level, values: &Plane<f32>) -> Work {
-        let rows = self.top..self.top + self.base.rows();
-        self.slopes.compute(level, values, rows)
+        let rows = self.top..self.top + self.grey.rows();
+        self.slopes.compute(level, values, self.every, rows)
     }
 
     /// Where row `y` of the map lies in it.
     #[inline(always)]
     pub fn row(&self, y: usize) -> usize {
         y - self.top
+    }
+
+    /// A pixel of the map is every so many-th one of the image.
+    pub fn every(&self) -> usize {
+        self.every
+    }
+
+    /// Where row `y` of the map lies in the looks of the images.
+    pub fn row_of_looks(&self, y: usize) -> usize {
+        self.every * self.row(y)
     }
 }
 
@@ -96,46 +121,51 @@ mod tests {
 
     #[test]
     fn what_is_seen_does_not_depend_on_the_strip() {
-        let (columns, rows) = (30, 2 * LEAST + 90);
-        let mut chance = Chance(8);
-        let mut noise =
-            |most: f32| Plane::from_fn(columns, TOP + rows, |_, _| most * chance.share());
-        let values = noise(30.0);
-        let [left, right] = [noise(255.0), noise(255.0)].map(|grey| grey.map(|&grey| grey as u8));
-        let given = Given {
-            doubtful: &Plane::default(),
-            grey: [left.view(), right.view()],
-            right: &values,
-            first: 3,
-            top: TOP,
-            least: 0.0,
-            most: 60.0,
-        };
-        let part = Plane::from_fn(columns - 3, rows, |x, y| values.row(y)[x + 3]);
-        let level = Level::detect();
-        let (mut slopes, mut edges) = (Slopes::default(), Edges::default());
-        let mut looks = [Looks::default(), Looks::default()];
-        slopes.compute(level, &part, 0..rows);
-        for (looks, grey) in looks.iter_mut().zip(given.grey) {
-            looks.compute(level, grey, TOP, rows);
-        }
-        edges.compute(level, &looks[0], given.first, columns - 3);
         for reach in [&NARROW, &WIDE] {
+            let every = reach.every;
+            let (columns, rows) = (27, 2 * LEAST + 90);
+            let mut chance = Chance(8);
+            let mut grey = || {
+                Plane::from_fn(3 + every * columns, TOP + every * rows, |_, _| chance.bits(8) as u8)
+            };
+            let [left, right] = [grey(), grey()];
+            let values = Plane::from_fn(columns, rows, |_, _| 30.0 * chance.share());
+            let given = Given {
+                doubtful: &Plane::default(),
+                grey: [left.view(), right.view()],
+                right: &values,
+                first: 3,
+                top: TOP,
+                least: 0.0,
+                most: 60.0,
+            };
+            let level = Level::detect();
+            let (mut slopes, mut edges) = (Slopes::default(), Edges::default());
+            let mut looks = [Looks::default(), Looks::default()];
+            slopes.compute(level, &values, every, 0..rows);
+            for (looks, grey) in looks.iter_mut().zip(given.grey) {
+                looks.compute(level, grey, TOP, every * rows);
+            }
+            let grey =
+                Plane::from_fn(columns, rows, |x, y| left.row(TOP + every * y)[3 + every * x]);
+            edges.compute(level, &grey);
             let mut strip = Strip::default();
             let mut seen = 0;
             for rows_of_strip in Strip::all(rows) {
                 assert_eq!(rows_of_strip.start, seen);
                 seen = rows_of_strip.end;
-                strip.look(level, &given, reach, part.size(), &rows_of_strip);
-                strip.slope(level, &part);
+                strip.look(level, &given, reach, values.size(), &rows_of_strip);
+                strip.slope(level, &values);
                 let reached = rows_of_strip.start.saturating_sub(reach.rows())
                     ..(rows_of_strip.end + reach.rows()).min(rows);
                 for y in reached {
                     let row = strip.row(y);
                     assert_eq!(strip.slopes.along.row(row), slopes.along.row(y));
                     assert_eq!(strip.slopes.down.row(row), slopes.down.row(y));
-                    assert_eq!(strip.base.row(row), looks[0].row(y));
-                    assert_eq!(strip.other.row(row), looks[1].row(y));
+                    let row_of_looks = strip.row_of_looks(y);
+                    assert_eq!(strip.base.row(row_of_looks), looks[0].row(every * y));
+                    assert_eq!(strip.other.row(row_of_looks), looks[1].row(every * y));
+                    assert_eq!(strip.grey.row(row), grey.row(y));
                     // Straight up to the first row of the strip.
                     let change = |edges: &Edges, from: usize, to: usize| -> Vec<u16> {
                         let rows = edges.row(1, to).iter().zip(edges.row(1, from));

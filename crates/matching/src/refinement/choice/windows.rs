@@ -235,7 +235,7 @@ mod tests {
                         };
                         let row = of(y, dy, rows);
                         let [a, b] = [(0, x), (1, there)].map(|(image, x): (usize, usize)| {
-                            let [census, steps, _] = looks[image].row(row);
+                            let [census, steps] = looks[image].row(row);
                             (census[of(x, dx, columns)], steps[of(x, dx, columns)])
                         });
                         let unlike = (a.0 ^ b.0).count_ones();

@@ -1,0 +1,142 @@
+//! Where only every so many-th pixel of every so many-th row is asked, these are all that rounds look at.
+
+use raster::{Plane, Reason, View};
+use rayon::prelude::*;
+
+use super::between::follow;
+use super::block::Given;
+use super::rounds::Map;
+use crate::kernels::level::Level;
+use crate::profile::Work;
+
+/// How many of so many there are.
+pub(super) fn asked(every: usize, (columns, rows): (usize, usize)) -> (usize, usize) {
+    (columns.div_ceil(every), rows.div_ceil(every))
+}
+
+/// Takes every so many-th sample of every so many-th row, so many columns and rows of them, from a column
+/// and a row on.
+pub(super) fn take_every<T: Copy + Default + Send + Sync>(
+    every: usize,
+    from: View<'_, T>,
+    (first, top): (usize, usize),
+    (columns, rows): (usize, usize),
+    out: &mut Plane<T>,
+) {
+    out.reshape(columns, rows, T::default());
+    let lines = out.samples_mut().par_chunks_mut(columns).enumerate();
+    lines.for_each(|(y, out)| {
+        let row = &from.row(top + every * y)[first..];
+        match every {
+            // In one go.
+            1 => out.copy_from_slice(&row[..columns]),
+            _ => {
+                let row = row.iter().step_by(every);
+                out.iter_mut().zip(row).for_each(|(out, &sample)| *out = sample);
+            }
+        }
+    });
+}
+
+/// Every so many-th pixel of every so many-th row of a map, and what it says of all of them at the end.
+#[derive(Default)]
+pub(super) struct Sparse {
+    values: Plane<f32>,
+    other: Plane<f32>,
+    reasons: Plane<Reason>,
+    doubtful: Plane<bool>,
+    /// How sure all pixels are.
+    certainty: Plane<u8>,
+}
+
+impl Sparse {
+    /// What it takes where so many pixels are asked of a map of so many columns and rows.
+    pub fn bytes(asked: usize, (columns, rows): (usize, usize)) -> usize {
+        let pixel = 2 * size_of::<f32>() + size_of::<Reason>() + size_of::<bool>();
+        pixel * asked + size_of::<u8>() * columns * rows
+    }
+
+    /// Takes the pixels that are asked.
+    pub fn take(
+        &mut self,
+        every: usize,
+        values: &Plane<f32>,
+        reasons: &Plane<Reason>,
+        given: &Given<'_>,
+    ) -> Work {
+        let size = asked(every, values.size());
+        take_every(every, values.view(), (0, 0), size, &mut self.values);
+        take_every(every, reasons.view(), (0, 0), size, &mut self.reasons);
+        if !given.doubtful.samples().is_empty() {
+            take_every(every, given.doubtful.view(), (0, 0), size, &mut self.doubtful);
+        }
+        Work::bytes(2 * (size_of::<f32>() + size_of::<Reason>()) * size.0 * size.1)
+    }
+
+    /// The map of the pixels that are asked, and where among them descriptors were.
+    pub fn map(&mut self) -> (Map<'_>, &Plane<bool>) {
+        let Self { values, other, reasons, doubtful, .. } = self;
+        (Map { values, other, reasons }, doubtful)
+    }
+
+    /// Lets the others, which had the disparities `before`, follow those that were asked, into `out`.
+    pub fn follow(
+        &mut self,
+        level: Level,
+        given: &Given<'_>,
+        before: &Plane<f32>,
+        certainty: &Plane<u8>,
+        out: &mut Plane<f32>,
+    ) -> Work {
+        let (columns, rows) = before.size();
+        out.reshape(columns, rows, 0.0);
+        self.certainty.reshape(columns, rows, 0);
+        follow(level, given, before, (&self.values, certainty), &mut self.certainty, out)
+    }
+
+    /// How sure all pixels are, in bytes.
+    pub fn told(&self) -> &[u8] {
+        self.certainty.samples()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_an_image_is_taken_from_its_first_pixel_on() {
+        let image = Plane::from_fn(9, 6, |x, y| (10 * y + x) as u8);
+        let mut out = Plane::default();
+        take_every(2, image.view(), (2, 1), asked(2, (7, 5)), &mut out);
+        assert_eq!(out.size(), (4, 3));
+        assert_eq!(out.samples(), [12, 14, 16, 18, 32, 34, 36, 38, 52, 54, 56, 58]);
+        take_every(1, image.view(), (7, 4), (2, 2), &mut out);
+        assert_eq!(out.samples(), [47, 48, 57, 58]);
+    }
+
+    #[test]
+    fn where_nobody_chose_the_map_stays() {
+        for (columns, rows) in [(1, 1), (2, 3), (71, 8), (130, 5)] {
+            let values = Plane::from_fn(columns, rows, |x, y| (x * x % 17 + y) as f32);
+            let grey = values.map(|&value| 5 * value as u8);
+            let reasons = values.map(|_| Reason::Matched);
+            let given = Given {
+                doubtful: &Plane::default(),
+                grey: [grey.view(); 2],
+                right: &values,
+                first: 0,
+                top: 0,
+                least: 0.0,
+                most: 60.0,
+            };
+            let mut sparse = Sparse::default();
+            sparse.take(2, &values, &reasons, &given);
+            let certainty = sparse.values.map(|_| 77);
+            let mut out = Plane::default();
+            sparse.follow(Level::detect(), &given, &values, &certainty, &mut out);
+            assert!(out == values, "{columns} x {rows}");
+            assert!(sparse.told().iter().all(|&told| told == 77));
+        }
+    }
+}
