@@ -171,7 +171,7 @@ impl Ingredient {
             ),
             LearnedChoice => (
                 "learned-choice",
-                "pixels take one of 16 planes around them (in best 32), chosen by a learned judge",
+                "pixels take one of 24 planes around them (in best 32), chosen by a learned judge",
                 "the filled map as it is",
             ),
             RightChoices => (
