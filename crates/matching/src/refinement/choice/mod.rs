@@ -140,25 +140,35 @@ at_every_level! {
                 block.look(scene);
             }
             let last = x + LANES >= out.len();
-            for l in 0..LANES {
-                if block.open[l] {
-                    asked.take(waiting, block, l);
-                    waiting += 1;
-                }
-                // Few of a block have a choice: they wait until there is a full block of them.
-                let enough = waiting == LANES || (last && l + 1 == LANES);
-                if waiting > 0 && enough {
-                    decide(products, judge, scene.given, compared, asked, mind, waiting, out, certainty);
-                    chosen += waiting;
-                    waiting = 0;
-                }
+            let mut next = 0;
+            loop {
+                let (ready, count) = if next == 0 && block.open == [true; LANES] {
+                    next = LANES;
+                    (&mut *block, LANES)
+                } else {
+                    // Mostly few of a block have a choice: they wait until there is a full block of them.
+                    while next < LANES && waiting < LANES {
+                        if block.open[next] {
+                            asked.take(waiting, block, next);
+                            waiting += 1;
+                        }
+                        next += 1;
+                    }
+                    let enough = waiting == LANES || (last && next == LANES);
+                    if waiting == 0 || !enough {
+                        break;
+                    }
+                    (&mut *asked, std::mem::take(&mut waiting))
+                };
+                decide(products, judge, scene.given, compared, ready, mind, count, out, certainty);
+                chosen += count;
             }
         }
         chosen
     }
 }
 
-/// Lets the first of `asked` choose; the others are of no interest.
+/// Lets the first of `asked` choose, so many; the others are of no interest.
 #[inline(always)]
 fn decide(
     products: impl Products,
