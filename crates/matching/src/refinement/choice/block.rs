@@ -43,7 +43,7 @@ const SAME: f32 = 1.0;
 
 /// What is known of the images and of both views, and stays as it is.
 pub(crate) struct Given<'a> {
-    /// Where descriptors were asked; empty where nowhere. A map.
+    /// Where descriptors were asked, of the pixels of the map; empty where nowhere.
     pub doubtful: &'a Plane<bool>,
     /// The upper 8 bits of both images.
     pub grey: [View<'a, u8>; 2],
@@ -70,6 +70,8 @@ pub(crate) struct Scene<'a> {
 /// A row of both images that pixels are compared with.
 #[derive(Clone, Copy)]
 pub(super) struct Compared<'a> {
+    /// A column of the map is every so many-th one of these.
+    every: usize,
     pub base: &'a [Window],
     pub other: &'a [Window],
     /// The disparities of the right view, in a mirror.
@@ -88,8 +90,9 @@ impl<'a> Compared<'a> {
         let row = strip.row_of_looks(y);
         base.compute(level, &strip.base, row);
         other.compute(level, &strip.other, row);
-        let right = scene.given.right.row(strip.every() * y);
-        Self { base: base.get(), other: other.get(), right }
+        let every = strip.every();
+        let right = scene.given.right.row(every * y);
+        Self { every, base: base.get(), other: other.get(), right }
     }
 }
 
@@ -97,8 +100,6 @@ impl<'a> Compared<'a> {
 /// a choice are [taken](Block::take) into another block, where more is asked.
 #[derive(Default)]
 pub(super) struct Block {
-    /// A column of the map is every so many-th one of the image.
-    every: usize,
     y: usize,
     /// Where the pixels lie in the map.
     pub columns: [usize; LANES],
@@ -154,7 +155,7 @@ impl Block {
         x: usize,
         y: usize,
     ) -> bool {
-        (self.y, self.every, self.places) = (y, reach.every, reach.places);
+        (self.y, self.places) = (y, reach.places);
         self.open = [false; LANES];
         for l in 0..LANES {
             self.columns[l] = x + l;
@@ -249,7 +250,7 @@ impl Block {
     /// Takes a pixel of another block, with all that was seen of it.
     #[inline(always)]
     pub fn take(&mut self, to: usize, other: &Block, from: usize) {
-        (self.every, self.places) = (other.every, other.places);
+        self.places = other.places;
         self.columns[to] = other.columns[from];
         self.here[to] = other.here[from];
         self.smallest[to] = other.smallest[from];
@@ -279,7 +280,7 @@ impl Block {
         }
         let mut columns = [0; LANES];
         for l in 0..LANES {
-            columns[l] = given.first + self.every * self.columns[l];
+            columns[l] = given.first + compared.every * self.columns[l];
         }
         self.windows = Several::at(compared.base, &columns);
         let textures = self.windows.textures();
@@ -359,7 +360,7 @@ impl Block {
         let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
         for l in 0..LANES {
             let column =
-                (given.first + self.every * self.columns[l]) as i32 - nearest(disparities[l]);
+                (given.first + compared.every * self.columns[l]) as i32 - nearest(disparities[l]);
             let last = width as i32 - 1;
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped > last { last } else { clamped };

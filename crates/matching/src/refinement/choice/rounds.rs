@@ -103,15 +103,17 @@ impl Choices {
     ) -> Work {
         let ViewMap { values: other, reasons, .. } = map;
         let every = self.jury.reach.every;
-        if every == 1 {
-            let done = keep(every, confidence, &mut self.certainty);
-            return done + self.rounds(level, rounds, given, &mut Map { values, other, reasons });
-        }
-        let mut sparse = std::mem::take(&mut self.sparse);
         let mut done = keep(every, confidence, &mut self.certainty);
-        done = done + sparse.take(every, values, reasons, given);
-        let (mut pixels, doubtful) = sparse.map();
-        done = done + self.rounds(level, rounds, &Given { doubtful, ..*given }, &mut pixels);
+        if every == 1 {
+            return done + self.rounds(level, rounds, given, Map { values, other, reasons });
+        }
+        debug_assert!(
+            given.doubtful.samples().is_empty(),
+            "only best, which asks all pixels, doubts"
+        );
+        let mut sparse = std::mem::take(&mut self.sparse);
+        done = done + sparse.take(every, values, reasons);
+        done = done + self.rounds(level, rounds, given, sparse.map());
         done = done + sparse.follow(level, given, values, &self.certainty, other);
         std::mem::swap(values, other);
         done = done + unconfirm(given, 1, other, values, reasons);
@@ -125,10 +127,9 @@ impl Choices {
         level: Level,
         rounds: usize,
         given: &Given<'_>,
-        map: &mut Map<'_>,
+        Map { values, other, reasons }: Map<'_>,
     ) -> Work {
         let Self { jury, certainty, next, moved, strip, workers, .. } = self;
-        let Map { values, other, reasons } = map;
         let reach = jury.reach;
         let (columns, rows) = values.size();
         workers.resize_with(rayon::current_num_threads(), Default::default);
@@ -141,7 +142,7 @@ impl Choices {
             if round > 0 {
                 done = done + moved.find(level, other, values);
                 done = done + median_of_map(level, values, other);
-                std::mem::swap(*values, *other);
+                std::mem::swap(values, other);
             }
             for rows in Strip::all(rows) {
                 // What is seen of the images stays.
@@ -154,7 +155,7 @@ impl Choices {
                 let judge = (reach, judge);
                 done = done + choose(level, judge, &scene, moved, rows, workers, next, other);
             }
-            std::mem::swap(*values, *other);
+            std::mem::swap(values, other);
             std::mem::swap(certainty, next);
             done = done + unconfirm(given, reach.every, other, values, reasons);
         }
@@ -174,11 +175,10 @@ impl Choices {
         };
         let every = jury.reach.every;
         let ViewMap { values: other, reasons, .. } = map;
-        let (Map { values, other, reasons }, doubtful) = match every {
-            1 => (Map { values, other, reasons }, given.doubtful),
+        let Map { values, other, reasons } = match every {
+            1 => Map { values, other, reasons },
             _ => sparse.map(),
         };
-        let given = &Given { doubtful, ..*given };
         if !jury.judges.is_empty() {
             median_of_map(level, values, other);
             std::mem::swap(values, other);

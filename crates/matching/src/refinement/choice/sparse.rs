@@ -22,7 +22,7 @@ pub(super) fn take_every<T: Copy + Default + Send + Sync>(
     (first, top): (usize, usize),
     (columns, rows): (usize, usize),
     out: &mut Plane<T>,
-) {
+) -> Work {
     out.reshape(columns, rows, T::default());
     let lines = out.samples_mut().par_chunks_mut(columns).enumerate();
     lines.for_each(|(y, out)| {
@@ -36,6 +36,7 @@ pub(super) fn take_every<T: Copy + Default + Send + Sync>(
             }
         }
     });
+    Work::bytes(2 * size_of_val(out.samples()))
 }
 
 /// Every so many-th pixel of every so many-th row of a map, and what it says of all of them at the end.
@@ -44,7 +45,6 @@ pub(super) struct Sparse {
     values: Plane<f32>,
     other: Plane<f32>,
     reasons: Plane<Reason>,
-    doubtful: Plane<bool>,
     /// How sure all pixels are.
     certainty: Plane<u8>,
 }
@@ -52,31 +52,21 @@ pub(super) struct Sparse {
 impl Sparse {
     /// What it takes where so many pixels are asked of a map of so many columns and rows.
     pub fn bytes(asked: usize, (columns, rows): (usize, usize)) -> usize {
-        let pixel = 2 * size_of::<f32>() + size_of::<Reason>() + size_of::<bool>();
+        let pixel = 2 * size_of::<f32>() + size_of::<Reason>();
         pixel * asked + size_of::<u8>() * columns * rows
     }
 
     /// Takes the pixels that are asked.
-    pub fn take(
-        &mut self,
-        every: usize,
-        values: &Plane<f32>,
-        reasons: &Plane<Reason>,
-        given: &Given<'_>,
-    ) -> Work {
+    pub fn take(&mut self, every: usize, values: &Plane<f32>, reasons: &Plane<Reason>) -> Work {
         let size = asked(every, values.size());
-        take_every(every, values.view(), (0, 0), size, &mut self.values);
-        take_every(every, reasons.view(), (0, 0), size, &mut self.reasons);
-        if !given.doubtful.samples().is_empty() {
-            take_every(every, given.doubtful.view(), (0, 0), size, &mut self.doubtful);
-        }
-        Work::bytes(2 * (size_of::<f32>() + size_of::<Reason>()) * size.0 * size.1)
+        take_every(every, values.view(), (0, 0), size, &mut self.values)
+            + take_every(every, reasons.view(), (0, 0), size, &mut self.reasons)
     }
 
-    /// The map of the pixels that are asked, and where among them descriptors were.
-    pub fn map(&mut self) -> (Map<'_>, &Plane<bool>) {
-        let Self { values, other, reasons, doubtful, .. } = self;
-        (Map { values, other, reasons }, doubtful)
+    /// The map of the pixels that are asked.
+    pub fn map(&mut self) -> Map<'_> {
+        let Self { values, other, reasons, .. } = self;
+        Map { values, other, reasons }
     }
 
     /// Lets the others, which had the disparities `before`, follow those that were asked, into `out`.
@@ -131,7 +121,7 @@ mod tests {
                 most: 60.0,
             };
             let mut sparse = Sparse::default();
-            sparse.take(2, &values, &reasons, &given);
+            sparse.take(2, &values, &reasons);
             let certainty = sparse.values.map(|_| 77);
             let mut out = Plane::default();
             sparse.follow(Level::detect(), &given, &values, &certainty, &mut out);

@@ -81,8 +81,9 @@ impl Strip {
         let [base, other] = given.grey;
         let top = given.top + self.every * self.top;
         let lines = (self.every * height).min(base.rows() - top);
-        take_every(reach.every, base, (given.first, top), (columns, height), &mut self.grey);
-        self.base.compute(level, base, top, lines)
+        let from = (given.first, top);
+        take_every(self.every, base, from, (columns, height), &mut self.grey)
+            + self.base.compute(level, base, top, lines)
             + self.other.compute(level, other, top, lines)
             + self.edges.compute(level, &self.grey)
     }
