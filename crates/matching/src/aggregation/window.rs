@@ -15,7 +15,8 @@
 use crate::cost::SearchSpace;
 use crate::cost::absolute_difference::FilteredRows;
 use crate::kernels::level::Level;
-use crate::kernels::sad::{Layout, RADIUS, Sad, Winners, match_row, slide_down};
+use crate::kernels::sad::{RADIUS, Sad, Winners, match_row, slide_down};
+use crate::kernels::stripes::Layout;
 use crate::prepare::grey::GreyView;
 
 /// A window that slides down the rows of two images, with its memory.

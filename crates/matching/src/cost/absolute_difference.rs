@@ -11,7 +11,8 @@
 use crate::cost::SearchSpace;
 use crate::kernels::aligned::{Aligned, LINE};
 use crate::kernels::level::Level;
-use crate::kernels::sad::{LARGEST_DIFFERENCE, Layout, RADIUS, RowPair};
+use crate::kernels::sad::{LARGEST_DIFFERENCE, RADIUS, RowPair};
+use crate::kernels::stripes::Layout;
 use crate::prepare::grey::GreyView;
 use crate::prepare::prefilter::{LARGEST_CLIP, Smoothed, clipped_gradient};
 
@@ -39,29 +40,33 @@ pub(crate) fn repeat_border(row: &[u8], from: i64, out: &mut [u8]) {
 pub(crate) struct FilteredRows {
     smoothed: Smoothed,
     whole: Vec<u8>,
+    /// A row with its border repeated.
+    extended: Vec<u8>,
     left: Aligned<u8>,
-    right: Vec<u8>,
+    right: Aligned<u8>,
     /// A row above or below the image.
-    nothing: Vec<u8>,
+    nothing: Aligned<u8>,
 }
 
 impl FilteredRows {
     /// The memory for the rows of a search space.
     pub fn bytes(space: &SearchSpace, layout: &Layout) -> usize {
-        // A row as it is and, at 16 bits, smoothed; the ring; a row outside.
+        // A row as it is and, at 16 bits, smoothed; extended; the ring; a row outside.
         (1 + size_of::<u32>()) * space.width
-            + KEPT * (layout.left + layout.right)
-            + layout.right
-            + LINE
+            + layout.left()
+            + space.count
+            + KEPT * (layout.left() + layout.right())
+            + layout.right()
+            + 3 * LINE
     }
 
     /// Makes room for the rows of a search space.
     pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
         self.whole.resize(space.width, 0);
-        self.left.refill(KEPT * layout.left, 0);
-        self.right.resize(KEPT * layout.right, 0);
-        self.nothing.clear();
-        self.nothing.resize(layout.right, 0);
+        self.extended.resize(layout.left() + space.count - 1, 0);
+        self.left.refill(KEPT * layout.left(), 0);
+        self.right.refill(KEPT * layout.right(), 0);
+        self.nothing.refill(layout.right(), 0);
     }
 
     /// Filters row `y` of both images into the ring.
@@ -73,34 +78,37 @@ impl FilteredRows {
         layout: &Layout,
         y: usize,
     ) {
-        let (whole, smoothed, slot) = (&mut self.whole[..], &mut self.smoothed, y % KEPT);
+        let Self { smoothed, whole, extended, left, right, .. } = self;
+        let slot = y % KEPT;
         let first = space.first as i64 - RADIUS as i64;
         let largest = i64::from(space.min) + layout.shift(0) as i64;
         clipped_gradient(level, images[0], y, CLIP, smoothed, whole);
-        repeat_border(whole, first, &mut self.left[slot * layout.left..][..layout.left]);
+        repeat_border(whole, first, &mut extended[..layout.left()]);
+        layout.spread(&extended[..layout.left()], &mut left[slot * layout.left()..]);
         clipped_gradient(level, images[1], y, CLIP, smoothed, whole);
-        let right = &mut self.right[slot * layout.right..][..layout.right];
-        repeat_border(whole, first - largest, right);
+        repeat_border(whole, first - largest, extended);
+        layout.spread_right(extended, &mut right[slot * layout.right()..][..layout.right()]);
     }
 
     /// Row `y`, which was among the last loaded.
     pub fn row(&self, layout: &Layout, y: usize) -> RowPair<'_> {
         let slot = y % KEPT;
         RowPair {
-            left: &self.left[slot * layout.left..][..layout.left],
-            right: &self.right[slot * layout.right..][..layout.right],
+            left: &self.left[slot * layout.left()..][..layout.left()],
+            right: &self.right[slot * layout.right()..][..layout.right()],
         }
     }
 
     /// A row outside the image: it adds nothing to any sum.
     pub fn nothing(&self, layout: &Layout) -> RowPair<'_> {
-        RowPair { left: &self.nothing[..layout.left], right: &self.nothing }
+        RowPair { left: &self.nothing[..layout.left()], right: &self.nothing }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::stripes::LANES;
     use raster::{BoundingBox, DisparityRange, Plane};
 
     #[test]
@@ -139,11 +147,11 @@ mod tests {
             let (left, right) = (whole(images[0], y), whole(images[1], y));
             let pair = rows.row(&layout, y);
             for x in 6 - RADIUS..=20 + RADIUS {
-                let place = x + RADIUS - 6;
+                let place = layout.byte(x + RADIUS - 6);
                 assert_eq!(pair.left[place], left[x]);
                 for k in 0..space.count {
                     let match_at = (x as i64 + 3 - k as i64).clamp(0, 39) as usize;
-                    assert_eq!(pair.right[place + layout.shift(k)], right[match_at]);
+                    assert_eq!(pair.right[place + layout.shift(k) * LANES], right[match_at]);
                 }
             }
         }

@@ -83,9 +83,12 @@ pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
     if start >= reach && start - reach + N <= row.len() {
         block.copy_from_slice(&row[start - reach..][..N]);
     } else {
-        for (i, sample) in block.iter_mut().enumerate() {
-            *sample = row[(start + i).saturating_sub(reach).min(row.len() - 1)];
-        }
+        let before = reach.saturating_sub(start).min(N);
+        let inside = &row[(start + before).saturating_sub(reach).min(row.len())..];
+        let inside = &inside[..inside.len().min(N - before)];
+        block[..before].fill(row[0]);
+        block[before..][..inside.len()].copy_from_slice(inside);
+        block[before + inside.len()..].fill(row[row.len() - 1]);
     }
 }
 

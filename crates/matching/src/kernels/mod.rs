@@ -9,3 +9,4 @@ pub(crate) mod path;
 pub(crate) mod products;
 pub(crate) mod rounding;
 pub(crate) mod sad;
+pub(crate) mod stripes;

@@ -39,7 +39,6 @@ pub(crate) struct Fast {
 #[derive(Default)]
 struct Band {
     window: SlidingWindow,
-    opposite: Vec<u16>,
     medians: Vec<u16>,
 }
 
@@ -109,13 +108,11 @@ impl Fast {
             .zip(confidence.par_chunks_mut(height * width))
             .enumerate()
             .for_each(|(i, ((band, disparities), confidence))| {
-                let Band { window, opposite, .. } = band;
-                opposite.resize(columns, 0);
                 let rows = (bounds.y0 + i * height, disparities.len() / columns);
-                window.slide(level, images, space, image_height, rows, |row, winners| {
+                band.window.slide(level, images, space, image_height, rows, |row, winners| {
                     let disparities = &mut disparities[row * columns..][..columns];
                     let confidence = &mut confidence[row * width + bounds.x0..][..columns];
-                    confirm_row(level, winners, space, numbers, opposite, disparities, confidence);
+                    confirm_row(level, winners, numbers, disparities, confidence);
                 });
             });
         let read = images.iter().map(|image| image.bytes(bounds.rows())).sum::<usize>();

@@ -1,0 +1,231 @@
+//! How the columns of a row lie in memory where neighbours are to stand in vectors that follow each other.
+//!
+//! A row is cut into [`LANES`] stripes of equal length, and lane `l` of vector `j` is column `j` of stripe
+//! `l`. The neighbours of a whole vector's columns are then the vectors before and after it: sums along a
+//! row are additions of vectors that begin where a cache line does, and nothing moves from lane to lane. What
+//! comes after the last vector is the first one, moved by a lane.
+//!
+//! Rows of the right image begin as many columns earlier as there are disparities. They have a vector for each
+//! column of a stripe and for each of these, so that what a disparity compares is so many vectors away, never
+//! a lane: most columns stand there several times.
+
+use std::ops::Range;
+
+use crate::cost::SearchSpace;
+use crate::kernels::sad::RADIUS;
+
+/// Columns of a vector.
+pub(crate) const LANES: usize = 64;
+
+/// Columns of a window.
+const WINDOW: usize = 2 * RADIUS + 1;
+
+/// The layout of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layout {
+    /// Columns of a stripe.
+    stripe: usize,
+    first_vectors: [usize; WINDOW],
+    /// Columns that are answered.
+    answered: usize,
+    /// Disparities.
+    count: usize,
+    /// Columns inside the image, as far as windows reach, of those that windows see.
+    inside: (usize, usize),
+    /// The first column of the right image that is looked at, and how many it has.
+    right_first: i64,
+    width: usize,
+}
+
+impl Layout {
+    /// The layout of a search space.
+    pub fn new(space: &SearchSpace) -> Self {
+        let seen = space.columns() + 2 * RADIUS;
+        let stripe = seen.div_ceil(LANES);
+        let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
+        let right_first = space.first as i64 - i64::from(space.min) - (space.count as i64 - 1);
+        Self {
+            stripe,
+            first_vectors: std::array::from_fn(|j| match j.checked_sub(1) {
+                Some(j) => LANES + Self::vector(stripe, j),
+                None => 0,
+            }),
+            answered: space.columns(),
+            count: space.count,
+            inside: (RADIUS.saturating_sub(space.first), end),
+            right_first,
+            width: space.width,
+        }
+    }
+
+    /// Samples of a row of the left image: column `c` of it is `first - RADIUS + c`.
+    pub fn left(&self) -> usize {
+        self.stripe * LANES
+    }
+
+    /// Samples of a row of the right image.
+    pub fn right(&self) -> usize {
+        (self.stripe + self.count - 1) * LANES
+    }
+
+    /// How many vectors of a right row vector `j` and that which it is compared with at index `k` are apart.
+    pub fn shift(&self, k: usize) -> usize {
+        self.count - 1 - k
+    }
+
+    /// Where a column lies in a row of bytes.
+    #[cfg(test)]
+    pub fn byte(&self, column: usize) -> usize {
+        column % self.stripe * LANES + column / self.stripe
+    }
+
+    /// The column that lies there.
+    pub fn column_of_byte(&self, place: usize) -> usize {
+        place % LANES * self.stripe + place / LANES
+    }
+
+    /// Where a column lies in a row of sums: of each vector the even lanes come first.
+    pub fn place(&self, column: usize) -> usize {
+        let lane = column / self.stripe;
+        column % self.stripe * LANES + lane / 2 + lane % 2 * (LANES / 2)
+    }
+
+    /// Where a column of the right image lies in a row of sums, counted from the first that a window's middle
+    /// meets: where the least of all its places is gathered.
+    pub fn right_place(&self, column: usize) -> usize {
+        let last = self.count - 1;
+        match column.checked_sub(last) {
+            Some(column) => last * LANES + self.place(column),
+            None => column * LANES,
+        }
+    }
+
+    /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from that
+    /// vector on.
+    pub fn first_vectors(&self) -> [usize; WINDOW] {
+        self.first_vectors
+    }
+
+    /// Where vector `j` begins: what comes after the last one is the first, moved by a lane.
+    fn vector(stripe: usize, j: usize) -> usize {
+        j % stripe * LANES + j / stripe
+    }
+
+    /// Vectors, and where the last vector begins that the window of the first of them sees; those of the
+    /// others follow.
+    #[inline(always)]
+    pub fn windows_ends(&self) -> impl Iterator<Item = (Range<usize>, usize)> {
+        let stripe = self.stripe;
+        let mut j = 0;
+        std::iter::from_fn(move || {
+            let end = j + 2 * RADIUS;
+            let range = j..stripe.min(j + stripe - end % stripe);
+            j = range.end;
+            (!range.is_empty()).then(|| (range, Self::vector(stripe, end)))
+        })
+    }
+
+    /// Whether a column that windows see is inside the left image, or supports none of its columns.
+    pub fn is_inside(&self, column: usize) -> bool {
+        (self.inside.0..self.inside.1).contains(&column)
+    }
+
+    /// Whether a column of the left image is answered that lies at a place of a row of sums, counted from the
+    /// vector before the first.
+    pub fn is_answered(&self, place: usize) -> bool {
+        (1..=self.answered).contains(&self.column(place))
+    }
+
+    /// Whether a column of the right image exists that lies at a place of a right row of sums, counted from the
+    /// vector before the first.
+    pub fn is_match_inside(&self, place: usize) -> bool {
+        let column = self.right_first + self.column(place) as i64 - 1;
+        (0..self.width as i64).contains(&column)
+    }
+
+    /// The column at a place of a row of sums.
+    fn column(&self, place: usize) -> usize {
+        let half = LANES / 2;
+        let lane = place % half * 2 + place / half % 2;
+        place / LANES + lane * self.stripe
+    }
+
+    /// Puts the columns of a left row in their places.
+    pub fn spread(&self, columns: &[u8], row: &mut [u8]) {
+        for (lane, columns) in columns.chunks_exact(self.stripe).enumerate() {
+            for (vector, &column) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(columns) {
+                vector[lane] = column;
+            }
+        }
+    }
+
+    /// The same of a right row, from its columns from the first on.
+    pub fn spread_right(&self, columns: &[u8], row: &mut [u8]) {
+        let length = self.left();
+        self.spread(&columns[..length], &mut row[..length]);
+        for at in (length..row.len()).step_by(LANES) {
+            // A stripe further on lies what is in the next lane.
+            let next = &row[at + 1 - length..];
+            let mut here: [u8; LANES] = *next.first_chunk().expect("it begins before");
+            here[LANES - 1] = columns[(LANES - 1) * self.stripe + at / LANES];
+            row[at..at + LANES].copy_from_slice(&here);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raster::{BoundingBox, DisparityRange};
+
+    fn layout(columns: usize, range: (i32, i32)) -> Layout {
+        let range = DisparityRange::new(range.0, range.1).unwrap();
+        Layout::new(&SearchSpace::new(columns, BoundingBox::whole(columns, 1), range))
+    }
+
+    #[test]
+    fn neighbours_are_in_vectors_that_follow_each_other() {
+        // 130 columns and four to each side: 64 stripes of three.
+        let layout = layout(130, (0, 20));
+        assert_eq!((layout.left(), layout.right()), (3 * LANES, (3 + 20) * LANES));
+        assert_eq!([0, 1, 2, 3].map(|column| layout.byte(column)), [0, LANES, 2 * LANES, 1]);
+        // Of sums the even lanes come first.
+        assert_eq!([0, 3, 6].map(|column| layout.place(column)), [0, LANES / 2, 1]);
+        for place in 0..layout.left() {
+            assert_eq!(layout.byte(layout.column_of_byte(place)), place);
+            assert_eq!(layout.place(layout.column(place)), place);
+        }
+    }
+
+    #[test]
+    fn every_window_ends_where_its_last_column_lies() {
+        for columns in [1, 57, 130, 500, 505, 600] {
+            let layout = layout(columns, (0, 0));
+            let mut all = 0;
+            for (range, enters) in layout.windows_ends() {
+                assert_eq!(range.start, all);
+                for (i, vector) in range.clone().enumerate() {
+                    // The first lane tells of all.
+                    assert_eq!(enters + i * LANES, layout.byte(vector + 2 * RADIUS));
+                }
+                all = range.end;
+            }
+            assert_eq!(all * LANES, layout.left());
+        }
+    }
+
+    #[test]
+    fn a_right_row_has_what_is_compared_in_the_same_lane() {
+        let (columns, range) = (200, (-3, 11));
+        let layout = layout(columns, range);
+        let count = (range.1 - range.0 + 1) as usize;
+        let line: Vec<u8> = (0..layout.left() + count - 1).map(|i| (i * 37 % 251) as u8).collect();
+        let mut row = vec![0; layout.right()];
+        layout.spread_right(&line, &mut row);
+        for (vector, lanes) in row.as_chunks::<LANES>().0.iter().enumerate() {
+            for (lane, &sample) in lanes.iter().enumerate() {
+                assert_eq!(sample, line[vector + lane * layout.left() / LANES]);
+            }
+        }
+    }
+}
