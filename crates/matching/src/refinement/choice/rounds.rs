@@ -8,6 +8,7 @@ use super::certainty;
 use super::jury::Jury;
 use super::lesson::Lesson;
 use super::moved::Moved;
+use super::reach::Reach;
 use super::sparse::{Sparse, asked};
 use super::strip::Strip;
 use super::{Worker, choose};
@@ -141,8 +142,7 @@ impl Choices {
         for (round, judge) in jury.judges.iter().take(rounds).enumerate() {
             if round > 0 {
                 done = done + moved.find(level, other, values);
-                done = done + median_of_map(level, values, other);
-                std::mem::swap(values, other);
+                done = done + smooth(level, reach, values, other);
             }
             for rows in Strip::all(rows) {
                 // What is seen of the images stays.
@@ -180,8 +180,7 @@ impl Choices {
             _ => sparse.map(),
         };
         if !jury.judges.is_empty() {
-            median_of_map(level, values, other);
-            std::mem::swap(values, other);
+            smooth(level, jury.reach, values, other);
         }
         let pixels = lesson.pick(values, every);
         for rows in Strip::all(values.rows()) {
@@ -191,6 +190,17 @@ impl Choices {
             lesson.learn(level, &scene, jury.reach, &pixels, &rows);
         }
     }
+}
+
+/// Takes out what stands alone between two rounds. Where not all pixels are asked, what is thin would go
+/// with it: three of these pixels are five of the image.
+fn smooth(level: Level, reach: &Reach, values: &mut Plane<f32>, other: &mut Plane<f32>) -> Work {
+    if reach.every > 1 {
+        return Work::default();
+    }
+    let done = median_of_map(level, values, other);
+    std::mem::swap(values, other);
+    done
 }
 
 /// Keeps in bytes how sure the paths are of every so many-th pixel of every so many-th row.
