@@ -79,7 +79,10 @@ fn select_column<const ALL: bool>(
             right[i] = Key(right[i].0.min(key));
         }
     }
-    let winner = Key(lowest.into_iter().fold(u32::MAX, u32::min));
+    // There are whole groups. The compiler does not know it, and so makes vectors of this loop; one over all
+    // lanes it would unroll first, and compare them one by one.
+    let lanes = LANES.min(sums.len());
+    let winner = Key(lowest[..lanes].iter().copied().fold(u32::MAX, u32::min));
     let neighbour = (winner.0 as u16).wrapping_sub(1);
     let mut others = [u16::MAX; LANES];
     for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
