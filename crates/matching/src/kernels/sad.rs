@@ -481,17 +481,19 @@ fn gather_right(sad: &mut Sad, layout: &Layout) {
     let length = layout.left();
     let Sad { right_least: least, right_index: index, .. } = sad;
     let half = LANES / 2;
+    // The last lane has no next one.
+    let mut nothing = [0; LANES];
+    nothing[LANES - 1] = OUT;
     for at in (0..least.len() - length).step_by(LANES) {
-        // The next lane: of even ones the odd one, of odd ones the even one after it; the last has none.
-        let mut cost = [OUT; LANES];
-        let mut place = [0; LANES];
+        // The next lane: of even ones the odd one, of odd ones the even one after it.
+        let (mut cost, mut place) = ([0; LANES], [0; LANES]);
         cost[..half].copy_from_slice(&least[at + half..][..half]);
-        cost[half..LANES - 1].copy_from_slice(&least[at + 1..][..half - 1]);
+        cost[half..].copy_from_slice(&least[at + 1..][..half]);
         place[..half].copy_from_slice(&index[at + half..][..half]);
-        place[half..LANES - 1].copy_from_slice(&index[at + 1..][..half - 1]);
+        place[half..].copy_from_slice(&index[at + 1..][..half]);
         let (mut lowest, mut places) = (*group(least, at + length), *group(index, at + length));
         for l in 0..LANES {
-            let (here, there) = (cost[l], lowest[l]);
+            let (here, there) = (cost[l] | nothing[l], lowest[l]);
             // Written without a condition, of which the compiler would make a jump.
             let is_less = u16::from(here < there).wrapping_neg();
             places[l] ^= (places[l] ^ place[l]) & is_less;
