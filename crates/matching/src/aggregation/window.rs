@@ -30,7 +30,7 @@ impl SlidingWindow {
     /// The memory for a search space.
     pub fn bytes(space: &SearchSpace) -> usize {
         let layout = Layout::new(space);
-        FilteredRows::bytes(space, &layout) + Sad::bytes(space, &layout)
+        FilteredRows::bytes(space, &layout) + Sad::bytes(&layout)
     }
 
     /// Gives the winners of rows `first ..` to `each`, `count` rows in turn. The images are `height`
@@ -47,11 +47,11 @@ impl SlidingWindow {
         let Self { rows, sums } = self;
         let layout = Layout::new(space);
         rows.begin(space, &layout);
-        sums.begin(space, &layout);
+        sums.begin(&layout);
         let top = first.saturating_sub(RADIUS);
         for y in top..(first + RADIUS).min(height) {
             rows.load(level, images, space, &layout, y);
-            slide_down(level, sums, space, &layout, rows.row(&layout, y), rows.nothing(&layout));
+            slide_down(level, sums, &layout, rows.row(&layout, y), rows.nothing(&layout));
         }
         for y in first..first + count {
             let below = y + RADIUS;
@@ -63,7 +63,7 @@ impl SlidingWindow {
             };
             let entering = row(below, below < height);
             let leaving = row(y.saturating_sub(RADIUS + 1), y > top + RADIUS);
-            match_row(level, sums, space, &layout, entering, leaving);
+            match_row(level, sums, &layout, entering, leaving);
             each(y - first, &sums.winners);
         }
     }

@@ -10,6 +10,7 @@
 
 use crate::cost::SearchSpace;
 use crate::kernels::aligned::{Aligned, LINE};
+use crate::kernels::border::repeat_border;
 use crate::kernels::level::Level;
 use crate::kernels::sad::{LARGEST_DIFFERENCE, RADIUS, RowPair};
 use crate::kernels::stripes::Layout;
@@ -21,19 +22,6 @@ const CLIP: u8 = LARGEST_DIFFERENCE / 2;
 const _: () = assert!(CLIP <= LARGEST_CLIP);
 /// Rows in the ring: a window and the row that leaves it.
 const KEPT: usize = 2 * RADIUS + 2;
-
-/// Copies a row from column `from` on, which may lie outside; there its border is repeated.
-pub(crate) fn repeat_border(row: &[u8], from: i64, out: &mut [u8]) {
-    let (columns, length) = (row.len() as i64, out.len() as i64);
-    let start = (-from).clamp(0, length);
-    let end = (columns - from).clamp(start, length);
-    out[..start as usize].fill(row[0]);
-    if start < end {
-        let inside = &row[(from + start) as usize..(from + end) as usize];
-        out[start as usize..end as usize].copy_from_slice(inside);
-    }
-    out[end as usize..].fill(row[row.len() - 1]);
-}
 
 /// The filtered rows around a sliding window.
 #[derive(Debug, Default)]
@@ -84,7 +72,7 @@ impl FilteredRows {
         let largest = i64::from(space.min) + layout.shift(0) as i64;
         clipped_gradient(level, images[0], y, CLIP, smoothed, whole);
         repeat_border(whole, first, &mut extended[..layout.left()]);
-        layout.spread(&extended[..layout.left()], &mut left[slot * layout.left()..]);
+        layout.spread(extended, &mut left[slot * layout.left()..][..layout.left()]);
         clipped_gradient(level, images[1], y, CLIP, smoothed, whole);
         repeat_border(whole, first - largest, extended);
         layout.spread_right(extended, &mut right[slot * layout.right()..][..layout.right()]);
@@ -110,20 +98,6 @@ mod tests {
     use super::*;
     use crate::kernels::stripes::LANES;
     use raster::{BoundingBox, DisparityRange, Plane};
-
-    #[test]
-    fn the_border_of_a_row_is_repeated() {
-        let row = [10, 20, 40];
-        for from in -6..9 {
-            for length in 0..12 {
-                let mut copy = vec![0; length];
-                repeat_border(&row, from, &mut copy);
-                let expected: Vec<u8> =
-                    (0..length as i64).map(|i| row[(from + i).clamp(0, 2) as usize]).collect();
-                assert_eq!(copy, expected, "from {from}, {length} samples");
-            }
-        }
-    }
 
     #[test]
     fn a_right_sample_stands_where_its_disparity_says() {

@@ -11,6 +11,7 @@
 
 use raster::Plane;
 
+use super::border::repeat_border;
 use super::level::at_every_level;
 
 /// Pixels that are done together.
@@ -83,12 +84,7 @@ pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
     if start >= reach && start - reach + N <= row.len() {
         block.copy_from_slice(&row[start - reach..][..N]);
     } else {
-        let before = reach.saturating_sub(start).min(N);
-        let inside = &row[(start + before).saturating_sub(reach).min(row.len())..];
-        let inside = &inside[..inside.len().min(N - before)];
-        block[..before].fill(row[0]);
-        block[before..][..inside.len()].copy_from_slice(inside);
-        block[before + inside.len()..].fill(row[row.len() - 1]);
+        repeat_border(row, start as i64 - reach as i64, block);
     }
 }
 

@@ -3,6 +3,7 @@
 //! every level of the processor.
 
 pub(crate) mod aligned;
+pub(crate) mod border;
 pub mod level;
 pub(crate) mod median;
 pub(crate) mod path;

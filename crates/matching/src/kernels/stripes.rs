@@ -25,6 +25,8 @@ const WINDOW: usize = 2 * RADIUS + 1;
 pub(crate) struct Layout {
     /// Columns of a stripe.
     stripe: usize,
+    /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from
+    /// that vector on.
     first_vectors: [usize; WINDOW],
     /// Columns that are answered.
     answered: usize,
@@ -44,18 +46,32 @@ impl Layout {
         let stripe = seen.div_ceil(LANES);
         let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
         let right_first = space.first as i64 - i64::from(space.min) - (space.count as i64 - 1);
-        Self {
+        let layout = Self {
             stripe,
-            first_vectors: std::array::from_fn(|j| match j.checked_sub(1) {
-                Some(j) => LANES + Self::vector(stripe, j),
-                None => 0,
-            }),
+            first_vectors: [0; WINDOW],
             answered: space.columns(),
             count: space.count,
             inside: (RADIUS.saturating_sub(space.first), end),
             right_first,
             width: space.width,
-        }
+        };
+        let vector_after = |j: usize| if j > 0 { LANES + layout.byte(j - 1) } else { 0 };
+        Self { first_vectors: std::array::from_fn(vector_after), ..layout }
+    }
+
+    /// Columns that are answered.
+    pub fn answered(&self) -> usize {
+        self.answered
+    }
+
+    /// Disparities that are tried.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Columns of a stripe, as many as a row has vectors.
+    pub fn stripe(&self) -> usize {
+        self.stripe
     }
 
     /// Samples of a row of the left image: column `c` of it is `first - RADIUS + c`.
@@ -73,8 +89,9 @@ impl Layout {
         self.count - 1 - k
     }
 
-    /// Where a column lies in a row of bytes.
-    #[cfg(test)]
+    /// Where a column lies in a row of bytes, and so where the vector of that number begins: what comes after
+    /// the last one is the first, moved by a lane.
+    #[inline(always)]
     pub fn byte(&self, column: usize) -> usize {
         column % self.stripe * LANES + column / self.stripe
     }
@@ -100,15 +117,10 @@ impl Layout {
         }
     }
 
-    /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from that
-    /// vector on.
+    /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from
+    /// that vector on.
     pub fn first_vectors(&self) -> [usize; WINDOW] {
         self.first_vectors
-    }
-
-    /// Where vector `j` begins: what comes after the last one is the first, moved by a lane.
-    fn vector(stripe: usize, j: usize) -> usize {
-        j % stripe * LANES + j / stripe
     }
 
     /// Vectors, and where the last vector begins that the window of the first of them sees; those of the
@@ -121,7 +133,7 @@ impl Layout {
             let end = j + 2 * RADIUS;
             let range = j..stripe.min(j + stripe - end % stripe);
             j = range.end;
-            (!range.is_empty()).then(|| (range, Self::vector(stripe, end)))
+            (!range.is_empty()).then(|| (range, self.byte(end)))
         })
     }
 
@@ -150,9 +162,9 @@ impl Layout {
         place / LANES + lane * self.stripe
     }
 
-    /// Puts the columns of a left row in their places.
+    /// Puts the first columns in the places of a left row.
     pub fn spread(&self, columns: &[u8], row: &mut [u8]) {
-        for (lane, columns) in columns.chunks_exact(self.stripe).enumerate() {
+        for (lane, columns) in columns.chunks_exact(self.stripe).take(LANES).enumerate() {
             for (vector, &column) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(columns) {
                 vector[lane] = column;
             }
@@ -162,7 +174,7 @@ impl Layout {
     /// The same of a right row, from its columns from the first on.
     pub fn spread_right(&self, columns: &[u8], row: &mut [u8]) {
         let length = self.left();
-        self.spread(&columns[..length], &mut row[..length]);
+        self.spread(columns, &mut row[..length]);
         for at in (length..row.len()).step_by(LANES) {
             // A stripe further on lies what is in the next lane.
             let next = &row[at + 1 - length..];

@@ -1,0 +1,119 @@
+//! What the kernel keeps from one row to the next, and what it finds.
+
+use super::{MARGIN, MOST, OUT};
+use crate::kernels::aligned::{Aligned, LINE};
+use crate::kernels::stripes::{LANES, Layout};
+
+/// Sums have this bit where the left column is not answered, and the other where the match is outside. The
+/// sign's is not used: older processors compare numbers with signs alone.
+const BEYOND: u16 = OUT;
+const OUTSIDE: u16 = OUT << 1;
+
+/// What won in one row, per answered column of the left image.
+#[derive(Debug, Default, Clone, PartialEq, Eq)]
+pub(crate) struct Winners {
+    /// Index of the disparity with the least sum, the smallest of several.
+    pub index: Vec<u16>,
+    /// That least sum; [`OUT`] or more where nothing could be tried.
+    pub least: Vec<u16>,
+    /// The sums of the disparities before and after the winner, [`OUT`] or more at the range's ends.
+    pub before: Vec<u16>,
+    pub after: Vec<u16>,
+    /// The index that wins at the right pixel that the winner points at.
+    pub opposite: Vec<u16>,
+}
+
+impl Winners {
+    fn reset(&mut self, columns: usize) {
+        let Self { index, least, before, after, opposite } = self;
+        for buffer in [index, least, before, after, opposite] {
+            buffer.clear();
+            buffer.resize(columns, 0);
+        }
+    }
+}
+
+/// The memory of the kernel: sums of a band of rows, in stripes.
+#[derive(Debug, Default)]
+pub(crate) struct Sad {
+    /// `V`: per disparity a row, and a vector before the first and after the last.
+    pub(super) columns: Aligned<u8>,
+    /// `C` of the disparities that are compared together, the last one last: each a row after a margin, and
+    /// one more margin. Where a disparity cannot be tried, and in the margins, stands [`OUT`].
+    pub(super) costs: Aligned<u16>,
+    /// Of the left view the least sums, their indices, and the sums beside them.
+    pub(super) least: Aligned<u16>,
+    pub(super) index: Aligned<u16>,
+    pub(super) before: Aligned<u16>,
+    pub(super) after: Aligned<u16>,
+    /// Of the right view the least sums and their indices, as its rows lie.
+    pub(super) right_least: Aligned<u16>,
+    pub(super) right_index: Aligned<u16>,
+    /// The places of all right columns that are matched.
+    pub(super) right_places: Vec<u32>,
+    /// 0 where left columns are outside the image and do not count, as a mask of bits.
+    pub(super) inside: Aligned<u8>,
+    /// [`OUTSIDE`] where right columns are outside the image, as they lie in a right row after a vector more;
+    /// and where that differs from the vector before.
+    pub(super) outside: Aligned<u16>,
+    pub(super) outside_flips: Aligned<u16>,
+    /// [`BEYOND`] where left columns are not answered, in the vector before a row; and where that differs
+    /// from the vector before.
+    pub(super) beyond: Aligned<u16>,
+    pub(super) beyond_flips: Aligned<u16>,
+    /// Of what layout these tables are.
+    prepared_for: Option<Layout>,
+    pub winners: Winners,
+}
+
+impl Sad {
+    /// The memory for a search space.
+    pub fn bytes(layout: &Layout) -> usize {
+        let (left, right) = (layout.left(), layout.right());
+        let sums = layout.count() * left + 2 * LANES + left;
+        let costs = MOST * (left + MARGIN * LANES) + MARGIN * LANES;
+        let rows = 6 * left + 4 * right + 2 * LANES + 5 * layout.answered();
+        let tables = size_of::<u32>() * (layout.answered() + layout.count());
+        sums + size_of::<u16>() * (costs + rows) + tables + 13 * LINE
+    }
+
+    /// Begins a band of rows with an empty window.
+    pub fn begin(&mut self, layout: &Layout) {
+        let (left, right) = (layout.left(), layout.right());
+        self.columns.refill(layout.count() * left + 2 * LANES, 0);
+        self.costs.refill(MOST * (left + MARGIN * LANES) + MARGIN * LANES, OUT);
+        for row in [&mut self.least, &mut self.index, &mut self.before, &mut self.after] {
+            row.refill(left, 0);
+        }
+        for row in [&mut self.right_least, &mut self.right_index] {
+            row.refill(right, 0);
+        }
+        self.winners.reset(layout.answered());
+        // The rest is the same for every band and frame of a size.
+        if self.prepared_for.replace(*layout) == Some(*layout) {
+            return;
+        }
+        self.inside.refill(left, 0);
+        for (mask, place) in self.inside.iter_mut().zip(0..) {
+            *mask = if layout.is_inside(layout.column_of_byte(place)) { u8::MAX } else { 0 };
+        }
+        for (bit, row, flips, length, is_tried) in [
+            (OUTSIDE, &mut self.outside, &mut self.outside_flips, right, Layout::is_match_inside),
+            (BEYOND, &mut self.beyond, &mut self.beyond_flips, left, Layout::is_answered),
+        ]
+            as [(_, _, _, _, fn(&Layout, usize) -> bool); 2]
+        {
+            row.refill(length + LANES, 0);
+            for (sample, place) in row.iter_mut().zip(0..) {
+                *sample = if is_tried(layout, place) { 0 } else { bit };
+            }
+            flips.refill(length, 0);
+            for (place, flip) in flips.iter_mut().enumerate() {
+                *flip = row[place] ^ row[place + LANES];
+            }
+        }
+        self.right_places.clear();
+        let rights = layout.answered() + layout.count() - 1;
+        self.right_places.extend((0..rights).map(|x| layout.right_place(x) as u32));
+    }
+}
