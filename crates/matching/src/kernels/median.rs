@@ -42,30 +42,27 @@ at_every_level! {
             for (row, block) in rows.iter().zip(&mut near) {
                 copy_with_ends(row, start, REACH, block);
             }
-            medians[start..start + size].copy_from_slice(&medians_of_block(near)[..size]);
+            medians[start..start + size].copy_from_slice(&medians_of_block(&near)[..size]);
         }
     }
 }
 
 /// The medians of the windows whose first columns are the first of these rows.
 #[inline(always)]
-fn medians_of_block(mut rows: Rows) -> [u16; BLOCK] {
+fn medians_of_block(rows: &Rows) -> [u16; BLOCK] {
+    // Sorted in place, the compiler might not see that columns do not depend on each other.
+    let mut sorted = [[0; BLOCK + 2 * REACH]; SIDE];
     for i in 0..BLOCK + 2 * REACH {
-        let mut column = [0; SIDE];
-        for (sample, row) in column.iter_mut().zip(&rows) {
-            *sample = row[i];
-        }
+        let mut column = [rows[0][i], rows[1][i], rows[2][i], rows[3][i], rows[4][i]];
         sort_5(&mut column);
-        for (row, sample) in rows.iter_mut().zip(column) {
-            row[i] = sample;
-        }
+        [sorted[0][i], sorted[1][i], sorted[2][i], sorted[3][i], sorted[4][i]] = column;
     }
     let mut medians = [0; BLOCK];
     for i in 0..BLOCK {
         let mut window = [[0; SIDE]; SIDE];
         for rank in 0..SIDE {
             for column in 0..SIDE {
-                window[rank][column] = rows[rank][i + column];
+                window[rank][column] = sorted[rank][i + column];
             }
         }
         medians[i] = median_of_sorted_columns(window);
@@ -88,14 +85,15 @@ pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
     }
 }
 
+/// The smaller number first.
 #[inline(always)]
-pub(crate) fn order<T: PartialOrd + Copy>(a: &mut T, b: &mut T) {
-    (*a, *b) = if *b < *a { (*b, *a) } else { (*a, *b) };
+fn order<T: Ord + Copy>(a: &mut T, b: &mut T) {
+    (*a, *b) = ((*a).min(*b), (*a).max(*b));
 }
 
 /// Nine comparisons sort five numbers.
 #[inline(always)]
-fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
+fn sort_5<T: Ord + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
     order(a, d);
     order(b, e);
     order(a, c);
@@ -109,10 +107,14 @@ fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
 
 /// The median of five sorted columns: `window[rank][column]`.
 #[inline(always)]
-fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
-    for rank in &mut window {
-        sort_5(rank);
-    }
+fn median_of_sorted_columns<T: Ord + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
+    // Written out: a loop of so much is not unrolled in time for pixels to be done side by side.
+    let [a, b, c, d, e] = &mut window;
+    sort_5(a);
+    sort_5(b);
+    sort_5(c);
+    sort_5(d);
+    sort_5(e);
     let [a, b, c, d, e] = window;
     // Eight of thirteen: neither the least nor the largest of them can be the seventh.
     let mut left = [a[3], a[4], b[2], b[3], b[4], c[1], c[2], c[3]];
@@ -132,20 +134,23 @@ fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE])
 
 /// Brings the least to the front and the largest to the end.
 #[inline(always)]
-fn drop_extremes<T: PartialOrd + Copy, const N: usize>(numbers: &mut [T; N]) {
+fn drop_extremes<T: Ord + Copy, const N: usize>(numbers: &mut [T; N]) {
     for i in 0..N / 2 {
-        let (front, back) = numbers.split_at_mut(N - 1 - i);
-        order(&mut front[i], &mut back[0]);
+        order_at(numbers, i, N - 1 - i);
     }
     // The least is in the front half now, the largest in the back half.
     for i in 1..N.div_ceil(2) {
-        let (front, back) = numbers.split_at_mut(i);
-        order(&mut front[0], &mut back[0]);
+        order_at(numbers, 0, i);
     }
     for i in N / 2..N - 1 {
-        let (front, back) = numbers.split_at_mut(N - 1);
-        order(&mut front[i], &mut back[0]);
+        order_at(numbers, i, N - 1);
     }
+}
+
+/// The same of two in an array.
+#[inline(always)]
+fn order_at<T: Ord + Copy, const N: usize>(numbers: &mut [T; N], a: usize, b: usize) {
+    (numbers[a], numbers[b]) = (numbers[a].min(numbers[b]), numbers[a].max(numbers[b]));
 }
 
 #[cfg(test)]

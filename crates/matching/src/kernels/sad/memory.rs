@@ -1,6 +1,6 @@
 //! What the kernel keeps from one row to the next, and what it finds.
 
-use super::{MARGIN, MOST, OUT};
+use super::{MOST, OUT};
 use crate::kernels::aligned::{Aligned, LINE};
 use crate::kernels::stripes::{LANES, Layout};
 
@@ -8,6 +8,10 @@ use crate::kernels::stripes::{LANES, Layout};
 /// sign's is not used: older processors compare numbers with signs alone.
 const BEYOND: u16 = OUT;
 const OUTSIDE: u16 = OUT << 1;
+
+/// Vectors of a disparity in both margins of the costs: as many before the first as are compared together,
+/// and one less after the last.
+const MARGINS: usize = 2 * MOST - 1;
 
 /// What won in one row, per answered column of the left image.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
@@ -38,14 +42,16 @@ impl Winners {
 pub(crate) struct Sad {
     /// `V`: per disparity a row, and a vector before the first and after the last.
     pub(super) columns: Aligned<u8>,
-    /// `C` of the disparities that are compared together, the last one last: each a row after a margin, and
-    /// one more margin. Where a disparity cannot be tried, and in the margins, stands [`OUT`].
+    /// `C` of the disparities that are compared together, vector beside vector, between two margins. Where a
+    /// disparity cannot be tried, and in the margins, stands [`OUT`].
     pub(super) costs: Aligned<u16>,
     /// Of the left view the least sums, their indices, and the sums beside them.
     pub(super) least: Aligned<u16>,
     pub(super) index: Aligned<u16>,
     pub(super) before: Aligned<u16>,
     pub(super) after: Aligned<u16>,
+    /// `C` of the last disparity that was tried.
+    pub(super) last: Aligned<u16>,
     /// Of the right view the least sums and their indices, as its rows lie.
     pub(super) right_least: Aligned<u16>,
     pub(super) right_index: Aligned<u16>,
@@ -71,18 +77,20 @@ impl Sad {
     pub fn bytes(layout: &Layout) -> usize {
         let (left, right) = (layout.left(), layout.right());
         let sums = layout.count() * left + 2 * LANES + left;
-        let costs = MOST * (left + MARGIN * LANES) + MARGIN * LANES;
-        let rows = 6 * left + 4 * right + 2 * LANES + 5 * layout.answered();
+        let costs = MOST * (left + MARGINS * LANES);
+        let rows = 7 * left + 4 * right + 2 * LANES + 5 * layout.answered();
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
-        sums + size_of::<u16>() * (costs + rows) + tables + 13 * LINE
+        sums + size_of::<u16>() * (costs + rows) + tables + 14 * LINE
     }
 
     /// Begins a band of rows with an empty window.
     pub fn begin(&mut self, layout: &Layout) {
         let (left, right) = (layout.left(), layout.right());
         self.columns.refill(layout.count() * left + 2 * LANES, 0);
-        self.costs.refill(MOST * (left + MARGIN * LANES) + MARGIN * LANES, OUT);
-        for row in [&mut self.least, &mut self.index, &mut self.before, &mut self.after] {
+        self.costs.refill(MOST * (left + MARGINS * LANES), OUT);
+        for row in
+            [&mut self.least, &mut self.index, &mut self.before, &mut self.after, &mut self.last]
+        {
             row.refill(left, 0);
         }
         for row in [&mut self.right_least, &mut self.right_index] {

@@ -39,8 +39,6 @@ pub(crate) const OUT: u16 = 0x2000;
 
 /// The most disparities that are compared together.
 const MOST: usize = 4;
-/// Vectors before a row of costs, and after the last one, in which nothing can be tried.
-const MARGIN: usize = MOST - 1;
 
 /// Operations on bytes per pixel and disparity: two differences of three each that are added and taken
 /// away, and what lies outside left out; of 16 bits two halves of what enters and leaves, an addition, a
@@ -77,9 +75,7 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        // Of the costs only the last row is asked for, as that of the index before the first. But written all
-        // over they are in the first-level cache: 6 % of the time on KITTI.
-        for row in [&mut sad.least, &mut sad.right_least, &mut sad.costs] {
+        for row in [&mut sad.least, &mut sad.last, &mut sad.right_least, &mut sad.costs] {
             row.fill(OUT);
         }
         for row in [&mut sad.index, &mut sad.right_index] {
@@ -143,23 +139,6 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
     &mut samples[at..].as_chunks_mut().0[..count]
 }
 
-/// So many vectors from a place on of each of the first rows.
-#[inline(always)]
-fn rows_mut<const N: usize>(
-    mut rows: &mut [[u16; LANES]],
-    stride: usize,
-    at: usize,
-    count: usize,
-) -> [&mut [[u16; LANES]]; N] {
-    let mut parts: [&mut [[u16; LANES]]; N] = std::array::from_fn(|_| Default::default());
-    for part in &mut parts {
-        let (row, others) = rows.split_at_mut(stride);
-        *part = &mut row[at..][..count];
-        rows = others;
-    }
-    parts
-}
-
 /// So many vectors of bytes from a place on, in pairs.
 #[inline(always)]
 fn pairs(samples: &[u8], at: usize, count: usize) -> &[[[u8; 2]; LANES / 2]] {
@@ -210,30 +189,70 @@ fn match_some<const N: usize>(
     leaving: RowPair<'_>,
 ) {
     let length = layout.left();
-    let stride = length + MARGIN * LANES;
-    let columns = &mut sad.columns[k * length..][..N * length + 2 * LANES];
-    let rows = columns[LANES..].chunks_exact_mut(length).take(N);
+    let rows = sad.columns[LANES..].chunks_exact_mut(length).skip(k).take(N);
     for (k, columns) in (k..).zip(rows) {
         slide_columns(columns, &sad.inside, layout.shift(k), entering, leaving);
     }
-    // The last rows, where fewer are compared together: that of the index before is always the last one.
-    let costs = &mut sad.costs[(MOST - N) * stride..];
+    let costs: &mut [[[u16; LANES]; N]] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
+    let costs = &mut costs[..layout.stripe() + 2 * N - 1];
     for n in 0..N {
         let outside = group(&sad.outside, layout.shift(k + n) * LANES);
         let untried = [group(&sad.beyond, 0), outside];
-        let sums = first_sums(&sad.columns[(k + n) * length..], layout, untried);
-        *group_mut(costs, n * stride + (MARGIN - 1) * LANES) = sums;
+        costs[N - 1][n] = first_sums(&sad.columns[(k + n) * length..], layout, untried);
     }
-    let columns = &sad.columns[k * length..][..N * length + 2 * LANES];
-    let winners = [&mut sad.least[..], &mut sad.index[..], &mut sad.before[..], &mut sad.after[..]];
-    let flips = [&sad.beyond_flips[..], &sad.outside_flips];
-    sum_along::<N>(columns, costs, flips, winners, layout, k);
-    for n in 0..N {
-        *group_mut(costs, n * stride + (MARGIN - 1) * LANES) = [OUT; LANES];
+    for (range, enters) in layout.windows_ends() {
+        let (first, count) = (range.start, range.len());
+        let (mut enter, mut leave, mut outside) = ([NO_PAIRS; N], [NO_PAIRS; N], [NO_GROUPS; N]);
+        for n in 0..N {
+            let columns = &sad.columns[(k + n) * length..];
+            enter[n] = pairs(columns, LANES + enters, count);
+            leave[n] = pairs(columns, first * LANES, count);
+            let at = layout.shift(k + n) + first;
+            outside[n] = groups(&sad.outside_flips, at * LANES, count);
+        }
+        let beyond = groups(&sad.beyond_flips, first * LANES, count);
+        let least = groups_mut(&mut sad.least, first * LANES, count);
+        let index = groups_mut(&mut sad.index, first * LANES, count);
+        let before = groups_mut(&mut sad.before, first * LANES, count);
+        let after = groups_mut(&mut sad.after, first * LANES, count);
+        let last = groups_mut(&mut sad.last, first * LANES, count);
+        let costs = &mut costs[N - 1 + first..][..count + 1];
+        for j in 0..count {
+            let [from, to] = costs[j..].first_chunk_mut().expect("one before each");
+            for n in 0..N {
+                slide_along(
+                    &from[n],
+                    &enter[n][j],
+                    &leave[n][j],
+                    &beyond[j],
+                    &outside[n][j],
+                    &mut to[n],
+                );
+            }
+            compare_left(
+                to,
+                &mut least[j],
+                &mut index[j],
+                &mut before[j],
+                &mut after[j],
+                &mut last[j],
+                k,
+            );
+        }
     }
-    let right = layout.shift(k + N - 1) * LANES..(layout.shift(k) + layout.stripe()) * LANES;
-    let winners = [&mut sad.right_least[right.clone()], &mut sad.right_index[right]];
-    compare_right::<N>(costs, stride, winners, k);
+    costs[N - 1] = [[OUT; LANES]; N];
+    let right = layout.shift(k + N - 1) * LANES;
+    let count = layout.stripe() + N - 1;
+    let least = groups_mut(&mut sad.right_least, right, count);
+    let index = groups_mut(&mut sad.right_index, right, count);
+    for j in 0..count {
+        compare_right(
+            costs[j + 1..].first_chunk().expect("a margin"),
+            &mut least[j],
+            &mut index[j],
+            k,
+        );
+    }
 }
 
 /// The sums of the windows before those of the first vector, of `V` with a vector before it.
@@ -243,121 +262,91 @@ fn first_sums(
     layout: &Layout,
     [beyond, outside]: [&[u16; LANES]; 2],
 ) -> [u16; LANES] {
-    let mut vectors = [NO_PAIRS; 2 * RADIUS + 1];
-    for (vector, at) in vectors.iter_mut().zip(layout.first_vectors()) {
-        *vector = pairs(columns, at, 1);
-    }
     let half = LANES / 2;
     let mut sums = [0; LANES];
-    for i in 0..half {
-        let (mut even, mut odd) = (beyond[i] | outside[i], beyond[half + i] | outside[half + i]);
-        for vector in vectors {
-            let entering = halves(vector[0][i]);
-            even += entering[0];
-            odd += entering[1];
+    for l in 0..LANES {
+        sums[l] = beyond[l] | outside[l];
+    }
+    for at in layout.first_vectors() {
+        let vector = pairs(columns, at, 1)[0];
+        for i in 0..half {
+            let entering = halves(vector[i]);
+            sums[i] += entering[0];
+            sums[half + i] += entering[1];
         }
-        (sums[i], sums[half + i]) = (even, odd);
     }
     sums
 }
 
-/// `C` of indices `k ..` from those of the vector before on, and the least of them. `columns` begins a
-/// vector before `V`, `costs` the margin before `C`. The last row of these is `C` of the index before `k`.
+/// `C` of the windows one column further on: what enters is added, what leaves taken away. Where it begins or
+/// ends that a disparity cannot be tried, its mark flips.
 #[inline(always)]
-fn sum_along<const N: usize>(
-    columns: &[u8],
-    costs: &mut [u16],
-    [beyond, outside]: [&[u16]; 2],
-    [least, index, before, after]: [&mut [u16]; 4],
-    layout: &Layout,
-    k: usize,
+fn slide_along(
+    before: &[u16; LANES],
+    enter: &[[u8; 2]; LANES / 2],
+    leave: &[[u8; 2]; LANES / 2],
+    beyond: &[u16; LANES],
+    outside: &[u16; LANES],
+    sums: &mut [u16; LANES],
 ) {
-    let length = layout.left();
-    let costs = costs.as_chunks_mut().0;
-    let stride = layout.stripe() + MARGIN;
-    for (range, enters) in layout.windows_ends() {
-        let (count, first) = (range.len(), range.start * LANES);
-        let (mut enter, mut leave, mut flips) = ([NO_PAIRS; N], [NO_PAIRS; N], [NO_GROUPS; N]);
-        for n in 0..N {
-            enter[n] = pairs(columns, n * length + LANES + enters, count);
-            leave[n] = pairs(columns, n * length + first, count);
-            flips[n] = groups(outside, layout.shift(k + n) * LANES + first, count);
-        }
-        let beyond = groups(beyond, first, count);
-        let least = groups_mut(least, first, count);
-        let index = groups_mut(index, first, count);
-        let before = groups_mut(before, first, count);
-        let after = groups_mut(after, first, count);
-        let rows: [_; N] = rows_mut(costs, stride, MARGIN - 1 + range.start, count + 1);
-        for j in 0..count {
-            let mut sums = [[0; LANES]; N];
-            for n in 0..N {
-                sums[n] = rows[n][j];
-            }
-            let last = rows[N - 1][j + 1];
-            let mut won = [least[j], index[j], before[j], after[j]];
-            for i in 0..LANES / 2 {
-                for half in 0..2 {
-                    let l = half * (LANES / 2) + i;
-                    let mut cost_before = last[l];
-                    let (mut lowest, mut place) = (won[0][l], won[1][l]);
-                    let (mut below, mut above) = (won[2][l], won[3][l]);
-                    let mut is_before = place == (k as u16).wrapping_sub(1);
-                    for n in 0..N {
-                        let (gain, loss) = (halves(enter[n][j][i]), halves(leave[n][j][i]));
-                        let sum = sums[n][l].wrapping_add(gain[half]).wrapping_sub(loss[half]);
-                        let cost = sum ^ beyond[j][l] ^ flips[n][j][l];
-                        sums[n][l] = cost;
-                        let is_less = (cost as i16) < lowest as i16;
-                        above = if is_before { cost } else { above };
-                        below = if is_less { cost_before } else { below };
-                        place = if is_less { (k + n) as u16 } else { place };
-                        lowest = (lowest as i16).min(cost as i16) as u16;
-                        (cost_before, is_before) = (cost, is_less);
-                    }
-                    won[0][l] = lowest;
-                    won[1][l] = place;
-                    won[2][l] = below;
-                    won[3][l] = above;
-                }
-            }
-            for n in 0..N {
-                rows[n][j + 1] = sums[n];
-            }
-            [least[j], index[j], before[j], after[j]] = won;
-        }
+    let half = LANES / 2;
+    for i in 0..half {
+        let (gain, loss) = (halves(enter[i]), halves(leave[i]));
+        let even = before[i].wrapping_add(gain[0]).wrapping_sub(loss[0]);
+        let odd = before[half + i].wrapping_add(gain[1]).wrapping_sub(loss[1]);
+        sums[i] = even ^ beyond[i] ^ outside[i];
+        sums[half + i] = odd ^ beyond[half + i] ^ outside[half + i];
     }
 }
 
-/// Compares `N` rows of costs with the least ones so far of the right view: what matches the same right
-/// columns stands one vector further on at every index.
+/// Compares the sums of indices `k ..` with the least ones so far of the left view; `last` are those of the
+/// index before.
 #[inline(always)]
-fn compare_right<const N: usize>(
-    costs: &[u16],
-    stride: usize,
-    [least, index]: [&mut [u16]; 2],
+fn compare_left<const N: usize>(
+    sums: &[[u16; LANES]; N],
+    least: &mut [u16; LANES],
+    index: &mut [u16; LANES],
+    before: &mut [u16; LANES],
+    after: &mut [u16; LANES],
+    last: &mut [u16; LANES],
     k: usize,
 ) {
-    let count = least.len() / LANES;
-    let least = groups_mut(least, 0, count);
-    let index = groups_mut(index, 0, count);
-    let mut rows = [NO_GROUPS; N];
-    for n in 0..N {
-        rows[n] = groups(costs, n * stride + (MARGIN - (N - 1 - n)) * LANES, count);
-    }
-    for j in 0..count {
-        let mut won = [least[j], index[j]];
-        for i in 0..LANES {
-            let (mut lowest, mut place) = (won[0][i], won[1][i]);
-            for n in 0..N {
-                let cost = rows[n][j][i];
-                place = if (cost as i16) < lowest as i16 { (k + n) as u16 } else { place };
-                lowest = (lowest as i16).min(cost as i16) as u16;
-            }
-            won[0][i] = lowest;
-            won[1][i] = place;
+    for l in 0..LANES {
+        let mut cost_before = last[l];
+        let (mut lowest, mut place) = (least[l], index[l]);
+        let (mut below, mut above) = (before[l], after[l]);
+        let mut is_before = place == (k as u16).wrapping_sub(1);
+        for n in 0..N {
+            let cost = sums[n][l];
+            let is_less = (cost as i16) < lowest as i16;
+            above = if is_before { cost } else { above };
+            below = if is_less { cost_before } else { below };
+            place = if is_less { (k + n) as u16 } else { place };
+            lowest = (lowest as i16).min(cost as i16) as u16;
+            (cost_before, is_before) = (cost, is_less);
         }
-        [least[j], index[j]] = won;
+        (least[l], index[l], last[l]) = (lowest, place, cost_before);
+        (before[l], after[l]) = (below, above);
+    }
+}
+
+/// Compares the sums of indices `k ..` with the least ones so far of the right view: what matches the same
+/// right columns stands one vector further on at every index.
+#[inline(always)]
+fn compare_right<const N: usize>(
+    costs: &[[[u16; LANES]; N]; N],
+    least: &mut [u16; LANES],
+    index: &mut [u16; LANES],
+    k: usize,
+) {
+    for l in 0..LANES {
+        let (mut lowest, mut place) = (least[l], index[l]);
+        for n in 0..N {
+            let cost = costs[n][n][l];
+            place = if (cost as i16) < lowest as i16 { (k + n) as u16 } else { place };
+            lowest = (lowest as i16).min(cost as i16) as u16;
+        }
+        (least[l], index[l]) = (lowest, place);
     }
 }
 
