@@ -111,17 +111,6 @@ impl Level {
         }
     }
 
-    /// Whether its instructions know 32 vector registers; the others know 16.
-    pub(crate) fn has_32_registers(self) -> bool {
-        match self.0 {
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => true,
-            #[cfg(target_arch = "aarch64")]
-            Set::Neon => true,
-            _ => false,
-        }
-    }
-
     pub(crate) fn set(self) -> Set {
         self.0
     }

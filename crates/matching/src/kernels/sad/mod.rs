@@ -21,13 +21,12 @@
 //! ever folded into one number. (With the disparities of a column side by side, as OpenCV has them,
 //! `C` is slid along as well, but finding the least of a vector and its place costs more.) What is not needed
 //! any more is not kept: sums of all disparities, to be looked up around the winners, would go through the
-//! second-level cache. Two or four disparities are compared together, so that minima are loaded and stored
-//! less often.
+//! second-level cache. Four disparities are compared together, so that minima are loaded and stored less often.
 
 mod memory;
 
 pub(crate) use self::memory::{Sad, Winners};
-use super::level::{Level, at_every_level};
+use super::level::at_every_level;
 use super::stripes::{LANES, Layout};
 
 /// Half the window: it is `2 RADIUS + 1` pixels wide and high.
@@ -37,7 +36,7 @@ pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / (2 * RADIUS as u8 + 1);
 /// Sums from here on stand for "cannot be tried": no sum over the window comes near.
 pub(crate) const OUT: u16 = 0x2000;
 
-/// The most disparities that are compared together.
+/// So many disparities are compared together, at the end of the range single ones.
 const MOST: usize = 4;
 
 /// Operations on bytes per pixel and disparity: two differences of three each that are added and taken
@@ -68,8 +67,8 @@ at_every_level! {
         }
     }
 
-    /// Slides the window down by one row, and finds what wins there, so many disparities together.
-    fn match_row_in_steps<const STEP: usize>(
+    /// Slides the window down by one row, and finds what wins there.
+    pub(crate) fn match_row(
         sad: &mut Sad,
         layout: &Layout,
         entering: RowPair<'_>,
@@ -81,9 +80,9 @@ at_every_level! {
         for row in [&mut sad.index, &mut sad.right_index] {
             row.fill(0);
         }
-        let whole = layout.count() / STEP * STEP;
-        for k in (0..whole).step_by(STEP) {
-            match_some::<STEP>(sad, layout, k, entering, leaving);
+        let whole = layout.count() / MOST * MOST;
+        for k in (0..whole).step_by(MOST) {
+            match_some::<MOST>(sad, layout, k, entering, leaving);
         }
         for k in whole..layout.count() {
             match_some::<1>(sad, layout, k, entering, leaving);
@@ -93,23 +92,9 @@ at_every_level! {
     }
 }
 
-/// Slides the window down by one row, and finds what wins there.
-pub(crate) fn match_row(
-    level: Level,
-    sad: &mut Sad,
-    layout: &Layout,
-    entering: RowPair<'_>,
-    leaving: RowPair<'_>,
-) {
-    // What four disparities have to remember does not fit 16 registers.
-    match level.has_32_registers() {
-        true => match_row_in_steps::<MOST>(level, sad, layout, entering, leaving),
-        false => match_row_in_steps::<2>(level, sad, layout, entering, leaving),
-    }
-}
-
-// The loops below work on whole vectors, and on copies of what they change: the compiler then knows that
-// nothing overlaps. Inside they call no closure, which it might not compile along with them.
+// The innermost loops below go through one whole vector, of arguments that are known not to overlap: the
+// compiler then makes vectors of them whatever the link-time optimisation. What has to be unrolled, or taken
+// from an array of slices, or called as a closure inside them, it may see through too late.
 
 /// What arrays of slices begin with.
 const NO_GROUPS: &[[u16; LANES]] = &[];
