@@ -398,6 +398,7 @@ mod tests {
     use super::*;
     use crate::cost::SearchSpace;
     use crate::kernels::border::repeat_border;
+    use crate::kernels::level::Level;
     use raster::{BoundingBox, DisparityRange, Plane};
 
     /// The definition: every window summed anew, every candidate looked at.
