@@ -114,17 +114,58 @@ pub(super) struct Block {
     smallest: Lanes,
     largest: Lanes,
     steep: [Lanes; MOST],
-    confidence: [Lanes; MOST],
-    filled: [Lanes; MOST],
-    doubt: [Lanes; MOST],
-    shade: [Lanes; MOST],
-    edges: [Lanes; MOST],
+    notes: [[Note; LANES]; MOST],
     /// How far candidates are to be heard.
     heard: [[Lanes; VOTES]; MOST],
     votes: [[Lanes; VOTES]; MOST],
+    /// What makes votes shares.
+    scales: [Lanes; VOTES],
+    /// Where the pixels lie in the image.
+    image_columns: [i32; LANES],
     windows: Several,
     /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
     pub of_pixel: [Lanes; OF_PIXEL],
+}
+
+/// What was seen of where a candidate comes from, in one word: that is taken from block to block quickly.
+/// From the lowest bit on the difference of grey to there, how sure it is, how much the grey changes on the
+/// way, whether it was filled, and whether in doubt.
+#[derive(Debug, Clone, Copy, Default)]
+struct Note(u32);
+
+impl Note {
+    #[inline(always)]
+    fn new(shade: u8, certainty: u8, edges: u16, filled: bool, doubtful: bool) -> Self {
+        // More does not count.
+        let edges = if edges < 1023 { edges } else { 1023 };
+        let sure = u32::from(shade) | u32::from(certainty) << 8;
+        Self(sure | u32::from(edges) << 16 | u32::from(filled) << 26 | u32::from(doubtful) << 27)
+    }
+
+    #[inline(always)]
+    fn shade(self) -> f32 {
+        (self.0 & 0xff) as f32 * 0.05
+    }
+
+    #[inline(always)]
+    fn confidence(self) -> f32 {
+        certainty::share((self.0 >> 8) as u8)
+    }
+
+    #[inline(always)]
+    fn edges(self) -> f32 {
+        bent((self.0 >> 16 & 0x3ff) as f32 * 0.05)
+    }
+
+    #[inline(always)]
+    fn filled(self) -> f32 {
+        (self.0 >> 26 & 1) as f32
+    }
+
+    #[inline(always)]
+    fn doubt(self) -> f32 {
+        (self.0 >> 27 & 1) as f32
+    }
 }
 
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
@@ -228,23 +269,26 @@ impl Block {
             let grey = run(strip.grey.row(strip.row(v)), u);
             let sums_here = run(strip.edges.row(place.way, strip.row(y)), x as i64);
             let sums = run(strip.edges.row(place.way, strip.row(v)), u);
-            self.confidence[k] = run(scene.certainty.row(v), u).map(certainty::share);
-            self.doubt[k] = doubt(given, u, v);
+            let certainty = run(scene.certainty.row(v), u);
+            let doubtful = doubtful(given, u, v);
             for l in 0..LANES {
-                self.filled[k][l] = share(reasons[l] != Reason::Matched);
-                self.shade[k][l] = f32::from(grey[l].abs_diff(grey_here[l])) * 0.05;
-                let edges = (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs();
-                self.edges[k][l] = bent(f32::from(edges) * 0.05);
+                self.notes[k][l] = Note::new(
+                    grey[l].abs_diff(grey_here[l]),
+                    certainty[l],
+                    (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs(),
+                    reasons[l] != Reason::Matched,
+                    doubtful[l],
+                );
             }
         }
-        self.of_pixel[0] = self.confidence[0];
         let reasons = run(scene.reasons.row(y), x as i64);
         for l in 0..LANES {
+            self.of_pixel[0][l] = self.notes[0][l].confidence();
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
             self.of_pixel[2][l] = share(reasons[l] == Reason::MismatchedFilled);
             self.of_pixel[3][l] = share(reasons[l] == Reason::OutsideRightFilled);
+            self.of_pixel[4][l] = self.notes[0][l].doubt();
         }
-        self.of_pixel[4] = self.doubt[0];
     }
 
     /// Takes a pixel of another block, with all that was seen of it.
@@ -262,11 +306,7 @@ impl Block {
             self.disparities[k][to] = other.disparities[k][from];
             self.inside[k][to] = other.inside[k][from];
             self.steep[k][to] = other.steep[k][from];
-            self.confidence[k][to] = other.confidence[k][from];
-            self.filled[k][to] = other.filled[k][from];
-            self.doubt[k][to] = other.doubt[k][from];
-            self.shade[k][to] = other.shade[k][from];
-            self.edges[k][to] = other.edges[k][from];
+            self.notes[k][to] = other.notes[k][from];
         }
     }
 
@@ -281,6 +321,7 @@ impl Block {
         let mut columns = [0; LANES];
         for l in 0..LANES {
             columns[l] = given.first + compared.every * self.columns[l];
+            self.image_columns[l] = columns[l] as i32;
         }
         self.windows = Several::at(compared.base, &columns);
         let textures = self.windows.textures();
@@ -300,12 +341,13 @@ impl Block {
             for l in 0..LANES {
                 let inside = self.inside[k][l];
                 // Of the same shade: 1 to 0 over 16 grey values.
-                let shade = 1.0 - self.shade[k][l] * 1.25;
+                let note = self.notes[k][l];
+                let shade = 1.0 - note.shade() * 1.25;
                 let shade = if shade < 0.05 { 0.05 } else { shade };
-                let edges = self.edges[k][l];
+                let edges = note.edges();
                 heard[k][0][l] = inside;
                 heard[k][1][l] = inside * shade;
-                heard[k][2][l] = inside * (self.confidence[k][l] + 0.01);
+                heard[k][2][l] = inside * (note.confidence() + 0.01);
                 heard[k][3][l] = inside / (1.0 + edges * edges);
             }
             for vote in 0..VOTES {
@@ -338,29 +380,22 @@ impl Block {
             }
             self.votes[k] = [a, b, c, d];
         }
-        for vote in 0..VOTES {
-            let mut scale = NONE;
+        for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {
-                scale[l] = 3.0 / all[vote][l];
-            }
-            for k in 0..n {
-                for l in 0..LANES {
-                    self.votes[k][vote][l] *= scale[l];
-                }
+                scale[l] = 3.0 / all[l];
             }
         }
     }
 
     /// What is known of candidate `k`.
     #[inline(always)]
-    pub fn hints(&self, given: &Given<'_>, compared: &Compared<'_>, k: usize) -> Hints {
+    pub fn hints(&self, compared: &Compared<'_>, k: usize) -> Hints {
         let mut hints = [NONE; OF_EACH];
         let disparities = &self.disparities[k];
         let width = compared.other.len();
         let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
         for l in 0..LANES {
-            let column =
-                (given.first + compared.every * self.columns[l]) as i32 - nearest(disparities[l]);
+            let column = self.image_columns[l] - nearest(disparities[l]);
             let last = width as i32 - 1;
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped > last { last } else { clamped };
@@ -386,10 +421,18 @@ impl Block {
             hints[13][l] = bent(disparities[l] - self.smallest[l]);
             hints[14][l] = bent(self.largest[l] - disparities[l]);
             hints[16][l] = 2.0 * self.steep[k][l];
+            let note = self.notes[k][l];
+            hints[2][l] = note.confidence();
+            hints[3][l] = note.filled();
+            hints[4][l] = note.doubt();
+            hints[5][l] = note.shade();
+            hints[17][l] = note.edges();
+            hints[11][l] = self.votes[k][0][l] * self.scales[0][l];
+            hints[12][l] = self.votes[k][1][l] * self.scales[1][l];
+            hints[18][l] = self.votes[k][2][l] * self.scales[2][l];
+            hints[19][l] = self.votes[k][3][l] * self.scales[3][l];
         }
-        [hints[2], hints[3], hints[4]] = [self.confidence[k], self.filled[k], self.doubt[k]];
-        [hints[5], hints[15], hints[17]] = [self.shade[k], outside, self.edges[k]];
-        [hints[11], hints[12], hints[18], hints[19]] = self.votes[k];
+        hints[15] = outside;
         hints
     }
 }
@@ -446,27 +489,20 @@ fn inside(start: i64, columns: usize) -> Lanes {
     inside
 }
 
-/// 1 where descriptors were asked, else 0.
+/// Where descriptors were asked.
 #[inline(always)]
-fn doubt(given: &Given<'_>, u: i64, v: usize) -> Lanes {
-    let mut doubt = NONE;
-    if !given.doubtful.samples().is_empty() {
-        let doubtful = run(given.doubtful.row(v), u);
-        for l in 0..LANES {
-            doubt[l] = share(doubtful[l]);
-        }
-    }
-    doubt
+fn doubtful(given: &Given<'_>, u: i64, v: usize) -> [bool; LANES] {
+    if given.doubtful.samples().is_empty() { [false; LANES] } else { run(given.doubtful.row(v), u) }
 }
 
 /// Whether both views agreed on the pixels whenever they were asked.
 #[inline(always)]
 fn settled(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
     let reasons = run(scene.reasons.row(y), x as i64);
-    let doubt = doubt(scene.given, x as i64, y);
+    let doubtful = doubtful(scene.given, x as i64, y);
     let mut settled = [false; LANES];
     for l in 0..LANES {
-        settled[l] = (reasons[l] == Reason::Matched) & (doubt[l] == 0.0);
+        settled[l] = (reasons[l] == Reason::Matched) & !doubtful[l];
     }
     settled
 }

@@ -65,7 +65,7 @@ at_every_level! {
         for k in 0..block.candidates() {
             known.disparities.push(block.disparities[k][0]);
             known.inside.push(block.inside[k][0] > 0.0);
-            let hints = block.hints(scene.given, compared, k);
+            let hints = block.hints(compared, k);
             for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
                 of_each.push(hint[0]);
             }

@@ -184,7 +184,7 @@ fn decide(
     asked.compare(count, given, compared);
     judge.look(products, &asked.of_pixel, mind);
     for k in 0..asked.candidates() {
-        judge.score(products, k, &asked.hints(given, compared, k), mind);
+        judge.score(products, k, &asked.hints(compared, k), mind);
     }
     let verdict = verdict(asked, mind);
     for l in 0..count {
