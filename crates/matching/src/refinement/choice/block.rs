@@ -98,21 +98,16 @@ impl<'a> Compared<'a> {
 
 /// Pixels of a row, their candidates and what is known of them. Neighbours first: then those that have
 /// a choice are [taken](Block::take) into another block, where more is asked.
+///
+/// Lanes lie as they are written here, each where a cache line begins: across two of them, a vector takes two
+/// loads.
 #[derive(Default)]
+#[repr(C, align(64))]
 pub(super) struct Block {
-    y: usize,
-    /// Where the pixels lie in the map.
-    pub columns: [usize; LANES],
-    places: &'static [Place],
     /// Of the candidates' planes, where the pixels lie.
     pub disparities: [Lanes; MOST],
     /// 1 where they come from inside the map, else 0.
     pub inside: [Lanes; MOST],
-    /// Whether there is a choice.
-    pub open: [bool; LANES],
-    here: Lanes,
-    smallest: Lanes,
-    largest: Lanes,
     steep: [Lanes; MOST],
     notes: [[Note; LANES]; MOST],
     /// How far candidates are to be heard.
@@ -120,11 +115,20 @@ pub(super) struct Block {
     votes: [[Lanes; VOTES]; MOST],
     /// What makes votes shares.
     scales: [Lanes; VOTES],
-    /// Where the pixels lie in the image.
-    image_columns: [i32; LANES],
-    windows: Several,
+    here: Lanes,
+    smallest: Lanes,
+    largest: Lanes,
     /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
     pub of_pixel: [Lanes; OF_PIXEL],
+    windows: Several,
+    /// Where the pixels lie in the map.
+    pub columns: [usize; LANES],
+    /// And in the image.
+    image_columns: [i32; LANES],
+    /// Whether there is a choice.
+    pub open: [bool; LANES],
+    y: usize,
+    places: &'static [Place],
 }
 
 /// What was seen of where a candidate comes from, in one word: that is taken from block to block quickly.
@@ -291,8 +295,9 @@ impl Block {
         }
     }
 
-    /// Takes a pixel of another block, with all that was seen of it.
-    #[inline(always)]
+    /// Takes a pixel of another block, with all that was seen of it. Not compiled for every level: with
+    /// instructions that gather and scatter the compiler would use them, which takes longer.
+    #[inline(never)]
     pub fn take(&mut self, to: usize, other: &Block, from: usize) {
         self.places = other.places;
         self.columns[to] = other.columns[from];
@@ -355,30 +360,31 @@ impl Block {
                     all[vote][l] += heard[k][vote][l];
                 }
             }
-            self.votes[k] = heard[k];
         }
-        let heard = &self.heard;
-        for k in 1..n {
-            let [mut a, mut b, mut c, mut d] = self.votes[k];
-            let heard_here = heard[k];
-            let disparities = self.disparities[k];
-            for i in 0..k {
-                let mut same = NONE;
+        // Two at a time: what the others say is read once for both.
+        for first in (0..n).step_by(2) {
+            let [one, two]: &[Lanes; 2] =
+                self.disparities[first..].first_chunk().expect("room for all");
+            let ([mut a, mut b, mut c, mut d], [mut e, mut f, mut g, mut h]) =
+                ([NONE; VOTES], [NONE; VOTES]);
+            for (other, heard) in self.disparities.iter().zip(&*heard).take(n) {
+                let mut same = [NONE; 2];
                 for l in 0..LANES {
-                    same[l] = share((self.disparities[i][l] - disparities[l]).abs() < SAME);
+                    same[0][l] = share((other[l] - one[l]).abs() < SAME);
+                    same[1][l] = share((other[l] - two[l]).abs() < SAME);
                 }
-                add(&same, &heard[i][0], &mut a);
-                add(&same, &heard[i][1], &mut b);
-                add(&same, &heard[i][2], &mut c);
-                add(&same, &heard[i][3], &mut d);
                 // Written out: a loop over the kinds would be taken for the one to work on together.
-                let [there_a, there_b, there_c, there_d] = &mut self.votes[i];
-                add(&same, &heard_here[0], there_a);
-                add(&same, &heard_here[1], there_b);
-                add(&same, &heard_here[2], there_c);
-                add(&same, &heard_here[3], there_d);
+                add(&same[0], &heard[0], &mut a);
+                add(&same[0], &heard[1], &mut b);
+                add(&same[0], &heard[2], &mut c);
+                add(&same[0], &heard[3], &mut d);
+                add(&same[1], &heard[0], &mut e);
+                add(&same[1], &heard[1], &mut f);
+                add(&same[1], &heard[2], &mut g);
+                add(&same[1], &heard[3], &mut h);
             }
-            self.votes[k] = [a, b, c, d];
+            self.votes[first] = [a, b, c, d];
+            self.votes[first + 1] = [e, f, g, h];
         }
         for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {

@@ -25,6 +25,7 @@ const FAR: f32 = 3.0;
 
 /// Sums that grow together: each number of the layer before is read once for all of these.
 const TOGETHER: usize = 4;
+const _: () = assert!(MOST.is_multiple_of(TOGETHER));
 
 /// The numbers of the two layers between; each a multiple of [`TOGETHER`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +54,8 @@ pub(crate) struct Judge {
     last: [f32; LARGEST],
 }
 
-/// What a judge keeps in mind of pixels while it looks at their candidates.
+/// What a judge keeps in mind of pixels while it looks at their candidates; vectors begin where cache lines do.
+#[repr(C, align(64))]
 pub(super) struct Mind {
     /// What the pixels add to the first layer.
     own: [Sums; LARGEST],
@@ -276,23 +278,18 @@ pub(super) fn verdict(block: &Block, mind: &mut Mind) -> Verdict {
         }
     }
     let shares = scores;
-    expected[0] = NONE;
-    for k in 1..n {
-        let (disparity, share) = (block.disparities[k], shares[k]);
-        let mut own = NONE;
-        let others = block.disparities.iter().zip(&*shares).zip(&mut *expected).take(k);
-        for ((other, other_share), other_expected) in others {
-            // Sums that are written to memory at every step would wait for each other.
-            let (mut here, mut there) = (own, *other_expected);
-            for l in 0..LANES {
-                let off = (other[l] - disparity[l]).abs();
-                let off = if off < FAR { off } else { FAR };
-                there[l] += off * share[l];
-                here[l] += off * other_share[l];
-            }
-            (own, *other_expected) = (here, there);
+    // Some that grow together: what the others say is read once for all of these.
+    for first in (0..n).step_by(TOGETHER) {
+        let own: &[Lanes; TOGETHER] =
+            block.disparities[first..].first_chunk().expect("room for all");
+        let [mut a, mut b, mut c, mut d] = [NONE; TOGETHER];
+        for (other, share) in block.disparities.iter().zip(&*shares).take(n) {
+            add_off(&own[0], other, share, &mut a);
+            add_off(&own[1], other, share, &mut b);
+            add_off(&own[2], other, share, &mut c);
+            add_off(&own[3], other, share, &mut d);
         }
-        expected[k] = own;
+        expected[first..][..TOGETHER].copy_from_slice(&[a, b, c, d]);
     }
     let (mut least, mut disparity) = ([f32::INFINITY; LANES], block.disparities[0]);
     for k in 0..n {
@@ -309,6 +306,18 @@ pub(super) fn verdict(block: &Block, mind: &mut Mind) -> Verdict {
         certainty[l] = if sure > 0.0 { sure } else { 0.0 };
     }
     Verdict { disparity, certainty }
+}
+
+/// Adds by how much disparities are off where another one is right, as likely as that is.
+#[inline(always)]
+fn add_off(disparity: &Lanes, other: &Lanes, share: &Lanes, expected: &mut Lanes) {
+    let mut sums = *expected;
+    for l in 0..LANES {
+        let off = (other[l] - disparity[l]).abs();
+        let off = if off < FAR { off } else { FAR };
+        sums[l] += off * share[l];
+    }
+    *expected = sums;
 }
 
 /// `e^x` of what is not positive, by powers of two and a polynomial of what is left (its Taylor
