@@ -25,6 +25,13 @@ impl<T: Copy> Aligned<T> {
         self.start = self.samples.as_ptr().align_offset(LINE);
         self.length = length;
     }
+
+    /// So many samples, whatever their values; these stay if there are as many already.
+    pub fn resize(&mut self, length: usize, value: T) {
+        if self.length != length {
+            self.refill(length, value);
+        }
+    }
 }
 
 impl<T> Deref for Aligned<T> {

@@ -20,12 +20,14 @@
 //! path says that they are near the cheapest, and what all four call far off may be called so less
 //! precisely. Bytes halve the memory and its traffic, which is what sums of 16 bits waited for.
 
+use super::aligned::{Aligned, LINE};
 use super::level::at_every_level;
 
 /// Disparities are handled in groups of this many.
 pub const LANES: usize = 32;
-/// Room at both ends of a pixel's states for the neighbours `d - 1` and `d + 1`.
-const MARGIN: usize = 16;
+/// Room before a pixel's states for the neighbours `d - 1` and `d + 1`, and after the last pixel. As long as a
+/// group, so that all groups begin where it takes one load to read them.
+const MARGIN: usize = LANES;
 /// What a surface may rise or fall from one pixel to the next.
 pub const HIGHEST_RISE: i8 = 2;
 const _: () = assert!((HIGHEST_RISE as usize) < MARGIN);
@@ -45,10 +47,10 @@ pub fn padded(count: usize) -> usize {
 /// row before, in that order. Columns stand in the order in which the sweep comes to them, which
 /// memory is read in fastest. One column more on each side stays zero: a path that enters the image
 /// begins with its cost alone.
-#[derive(Default, Clone)]
+#[derive(Default)]
 pub struct RowStates {
-    /// Per path and column: `MARGIN` bytes of 255, the states, `MARGIN` bytes of 255.
-    states: [Vec<u8>; 3],
+    /// Per path and column: `MARGIN` bytes of 255, the states; then once more `MARGIN` bytes of 255.
+    states: [Aligned<u8>; 3],
     /// The least state of each column.
     least: [Vec<u8>; 3],
 }
@@ -56,15 +58,14 @@ pub struct RowStates {
 impl RowStates {
     /// Before the first row: every path begins anew.
     pub fn reset(&mut self, columns: usize, padded_count: usize) {
-        let stride = padded_count + 2 * MARGIN;
+        let stride = padded_count + MARGIN;
         for (states, least) in self.states.iter_mut().zip(&mut self.least) {
-            states.clear();
-            states.resize((columns + 2) * stride, 0);
+            states.refill((columns + 2) * stride + MARGIN, 0);
             least.clear();
             least.resize(columns + 2, 0);
-            for column in states.chunks_exact_mut(stride).skip(1).take(columns) {
+            // Also before what stays zero, which is after the last column.
+            for column in states.chunks_mut(stride).skip(1) {
                 column[..MARGIN].fill(255);
-                column[MARGIN + padded_count..].fill(255);
             }
         }
     }
@@ -76,16 +77,16 @@ impl RowStates {
 
     /// The memory of these states.
     pub fn bytes(columns: usize, padded_count: usize) -> usize {
-        3 * (columns + 2) * (padded_count + 2 * MARGIN + 1)
+        3 * ((columns + 2) * (padded_count + MARGIN + 1) + MARGIN + LINE)
     }
 
     /// Appends what is not the same in every row: the states between the margins, then the least.
     pub fn save(&self, saved: &mut Vec<u8>) {
         for (states, least) in self.states.iter().zip(&self.least) {
             let columns = 1..least.len() - 1;
-            let stride = states.len() / least.len();
+            let stride = (states.len() - MARGIN) / least.len();
             for x in columns.clone() {
-                saved.extend_from_slice(&states[x * stride..][MARGIN..stride - MARGIN]);
+                saved.extend_from_slice(&states[x * stride..][MARGIN..stride]);
             }
             saved.extend_from_slice(&least[columns]);
         }
@@ -100,9 +101,9 @@ impl RowStates {
         };
         for (states, least) in self.states.iter_mut().zip(&mut self.least) {
             let columns = 1..least.len() - 1;
-            let stride = states.len() / least.len();
+            let stride = (states.len() - MARGIN) / least.len();
             for x in columns.clone() {
-                take(&mut states[x * stride..][MARGIN..stride - MARGIN]);
+                take(&mut states[x * stride..][MARGIN..stride]);
             }
             take(&mut least[columns]);
         }
@@ -110,17 +111,16 @@ impl RowStates {
 }
 
 /// The state of the path along the row, of two columns in turn.
-#[derive(Default, Clone)]
+#[derive(Default)]
 pub struct AlongState {
-    states: [Vec<u8>; 2],
+    states: [Aligned<u8>; 2],
 }
 
 impl AlongState {
     /// Makes room for this many disparities.
     pub fn reset(&mut self, padded_count: usize) {
         for states in &mut self.states {
-            states.clear();
-            states.resize(padded_count + 2 * MARGIN, 255);
+            states.refill(padded_count + 2 * MARGIN, 255);
         }
     }
 }
@@ -208,7 +208,7 @@ at_every_level! {
         sums: &mut [u16],
     ) {
         let columns = cost.len() / count;
-        let stride = count + 2 * MARGIN;
+        let stride = count + MARGIN;
         let lanes = count / LANES;
         let [even, odd] = along.states.each_mut().map(|s| &mut s[..]);
         even[MARGIN..MARGIN + count].fill(0);
@@ -218,20 +218,12 @@ at_every_level! {
         let rise = transitions.rise.each_ref().map(|rise| &rise[..columns]);
         let before_least = before.least.each_ref().map(|least| &least[..columns + 2]);
         let after_least = after.least.each_mut().map(|least| &mut least[1..=columns]);
-        // The column of a step is one further on in the states; paths come from one before to one
-        // after.
-        let [before0, before1, before2] = &before.states;
-        let from = before0
-            .chunks_exact(stride)
-            .zip(before1[stride..].chunks_exact(stride))
-            .zip(before2[2 * stride..].chunks_exact(stride));
         let [after0, after1, after2] = &mut after.states;
         let to = after0[stride..]
             .chunks_exact_mut(stride)
             .zip(after1[stride..].chunks_exact_mut(stride))
             .zip(after2[stride..].chunks_exact_mut(stride));
-        let steps = (0..columns).zip(from).zip(to);
-        for ((step_at, ((from0, from1), from2)), ((to0, to1), to2)) in steps {
+        for (step_at, ((to0, to1), to2)) in (0..columns).zip(to) {
             let x = if REVERSE { columns - 1 - step_at } else { step_at };
             let (old, new) =
                 if step_at % 2 == 0 { (&*even, &mut *odd) } else { (&*odd, &mut *even) };
@@ -249,9 +241,11 @@ at_every_level! {
                 let rise = rise[named(path)][x].clamp(-HIGHEST_RISE, HIGHEST_RISE);
                 (MARGIN as isize - isize::from(rise)) as usize
             });
-            let from0 = Around::new(from0, first[0], lanes);
-            let from1 = Around::new(from1, first[1], lanes);
-            let from2 = Around::new(from2, first[2], lanes);
+            // The column of a step is one further on in the states; paths come from one before to one after.
+            let [from0, from1, from2] = &before.states;
+            let from0 = Around::new(from0, step_at * stride + first[0], lanes);
+            let from1 = Around::new(from1, (step_at + 1) * stride + first[1], lanes);
+            let from2 = Around::new(from2, (step_at + 2) * stride + first[2], lanes);
             let from3 = Around::new(old, first[3], lanes);
             let least: [u8; 3] = std::array::from_fn(|path| before_least[path][step_at + path]);
             let to0 = &mut to0[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];

@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use raster::View;
 
+use crate::kernels::aligned::Aligned;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{self, AlongState, RowStates, RowTransitions, padded, paths_of_row};
 use crate::optimization::bands::{Bands, Checkpoints, Volume};
@@ -110,10 +111,10 @@ struct Sweep {
     states: [RowStates; 2],
     along: AlongState,
     transitions: RowTransitions,
-    costs: Vec<u8>,
+    costs: Aligned<u8>,
     /// Of a row that is finished: the detours of the opposite paths, and the sums.
-    opposite: Vec<u8>,
-    sums: Vec<u16>,
+    opposite: Aligned<u8>,
+    sums: Aligned<u16>,
 }
 
 /// What a sweep leaves in the half in which it begins, for the one that comes from the other.
@@ -122,7 +123,7 @@ struct Trail {
     /// The steps whose detours are there; rows are counted in steps of the sweep.
     held: Range<usize>,
     /// What four paths add to the costs ([`paths_of_row`]).
-    detours: Vec<u8>,
+    detours: Aligned<u8>,
     checkpoints: Checkpoints,
 }
 
@@ -170,8 +171,7 @@ impl Sweep {
             rise.clear();
             rise.resize(columns, 0);
         }
-        self.costs.clear();
-        self.costs.resize(columns * count, 0);
+        self.costs.refill(columns * count, 0);
     }
 
     /// Goes on to row `y`, and leaves the detours of its paths. If it is the `last` to come there, it
