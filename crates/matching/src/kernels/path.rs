@@ -339,7 +339,12 @@ mod tests {
             for y in 0..rows {
                 let cost = &costs[y * columns * count..][..columns * count];
                 for (path, rise) in transitions.rise.iter_mut().enumerate() {
-                    let begins = |x: usize| if path < 3 { y == 0 } else { x == 0 };
+                    let begins = |x: usize| match path {
+                        0 => y == 0 || x == 0,
+                        1 => y == 0,
+                        2 => y == 0 || x == columns - 1,
+                        _ => x == 0,
+                    };
                     let rises =
                         (0..columns).map(|x| if begins(x) { 0 } else { random(5) as i8 - 2 });
                     *rise = rises.collect();

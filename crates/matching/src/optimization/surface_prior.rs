@@ -85,9 +85,11 @@ impl SurfacePrior {
     /// below, and the path along the row comes from the right.
     pub fn rises(&self, level: Level, y: usize, reverse: bool, rises: &mut [Vec<i8>; 4]) {
         rises_of_row(level, self.surfaces.row(y), reverse, rises);
-        // Here the path along the row begins.
-        let along_row = &mut rises[3];
+        // Here paths begin.
+        let [from_previous, _, from_next, along_row] = rises;
         let last = along_row.len() - 1;
+        from_previous[0] = 0;
+        from_next[last] = 0;
         along_row[if reverse { last } else { 0 }] = 0;
     }
 }
@@ -130,6 +132,8 @@ mod tests {
             assert_eq!(rises[1][10], expected, "row {y}");
             assert_eq!(rises[3][10], 0, "row {y}");
             assert_eq!(rises[1][31], 0, "row {y}");
+            assert_eq!([0, 2].map(|path| rises[path][20]), [expected; 2], "row {y}");
+            assert_eq!([rises[0][0], rises[2][63]], [0; 2], "where paths begin, row {y}");
             prior.rises(Level::detect(), y - 1, true, &mut rises);
             assert_eq!(rises[1][10], -expected, "row {y}");
         }
