@@ -9,6 +9,8 @@ use crate::kernels::stripes::{LANES, Layout};
 const BEYOND: u16 = OUT;
 const OUTSIDE: u16 = OUT << 1;
 
+/// Bytes before the columns' sums: of each disparity that is compared together a vector.
+pub(super) const BEFORE: usize = MOST * LANES;
 /// Vectors of a disparity in both margins of the costs: as many before the first as are compared together,
 /// and one less after the last.
 const MARGINS: usize = 2 * MOST - 1;
@@ -40,7 +42,8 @@ impl Winners {
 /// The memory of the kernel: sums of a band of rows, in stripes.
 #[derive(Debug, Default)]
 pub(crate) struct Sad {
-    /// `V`: per disparity a row, and a vector before the first and after the last.
+    /// `V`: of disparities that are compared together vector beside vector, and [`BEFORE`] the first ones;
+    /// after the last a vector more.
     pub(super) columns: Aligned<u8>,
     /// `C` of the disparities that are compared together, vector beside vector, between two margins. Where a
     /// disparity cannot be tried, and in the margins, stands [`OUT`].
@@ -76,7 +79,7 @@ impl Sad {
     /// The memory for a search space.
     pub fn bytes(layout: &Layout) -> usize {
         let (left, right) = (layout.left(), layout.right());
-        let sums = layout.count() * left + 2 * LANES + left;
+        let sums = BEFORE + layout.count() * left + LANES + left;
         let costs = MOST * (left + MARGINS * LANES);
         let rows = 7 * left + 4 * right + 2 * LANES + 5 * layout.answered();
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
@@ -86,7 +89,7 @@ impl Sad {
     /// Begins a band of rows with an empty window.
     pub fn begin(&mut self, layout: &Layout) {
         let (left, right) = (layout.left(), layout.right());
-        self.columns.refill(layout.count() * left + 2 * LANES, 0);
+        self.columns.refill(BEFORE + layout.count() * left + LANES, 0);
         self.costs.refill(MOST * (left + MARGINS * LANES), OUT);
         for row in
             [&mut self.least, &mut self.index, &mut self.before, &mut self.after, &mut self.last]

@@ -25,6 +25,7 @@
 
 mod memory;
 
+use self::memory::BEFORE;
 pub(crate) use self::memory::{Sad, Winners};
 use super::level::at_every_level;
 use super::stripes::{LANES, Layout};
@@ -61,9 +62,12 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        let rows = sad.columns[LANES..].chunks_exact_mut(layout.left());
-        for (k, columns) in rows.take(layout.count()).enumerate() {
-            slide_columns(columns, &sad.inside, layout.shift(k), entering, leaving);
+        let whole = layout.count() / MOST * MOST;
+        for k in (0..whole).step_by(MOST) {
+            slide_columns::<MOST>(sad, layout, k, entering, leaving);
+        }
+        for k in whole..layout.count() {
+            slide_columns::<1>(sad, layout, k, entering, leaving);
         }
     }
 
@@ -96,10 +100,6 @@ at_every_level! {
 // compiler then makes vectors of them whatever the link-time optimisation. What has to be unrolled, or taken
 // from an array of slices, or called as a closure inside them, it may see through too late.
 
-/// What arrays of slices begin with.
-const NO_GROUPS: &[[u16; LANES]] = &[];
-const NO_PAIRS: &[[[u8; 2]; LANES / 2]] = &[];
-
 /// The vector at a place.
 #[inline(always)]
 fn group<T>(samples: &[T], at: usize) -> &[T; LANES] {
@@ -124,10 +124,16 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
     &mut samples[at..].as_chunks_mut().0[..count]
 }
 
-/// So many vectors of bytes from a place on, in pairs.
+/// So many times `N` vectors from a place on.
 #[inline(always)]
-fn pairs(samples: &[u8], at: usize, count: usize) -> &[[[u8; 2]; LANES / 2]] {
+fn together<T, const N: usize>(samples: &[T], at: usize, count: usize) -> &[[[T; LANES]; N]] {
     &samples[at..].as_chunks().0.as_chunks().0[..count]
+}
+
+/// Pairs of lanes.
+#[inline(always)]
+fn pairs(vector: &[u8; LANES]) -> &[[u8; 2]; LANES / 2] {
+    vector.as_chunks().0.first_chunk().expect("half as many pairs as lanes")
 }
 
 /// The lane with the even number, then that with the odd one.
@@ -137,30 +143,49 @@ fn halves(pair: [u8; 2]) -> [u16; 2] {
     [both & 0xFF, both >> 8]
 }
 
-/// `V` of one disparity, one row further down.
+/// `V` of indices `k ..`, one row further down.
 #[inline(always)]
-fn slide_columns(
-    columns: &mut [u8],
-    inside: &[u8],
-    shift: usize,
+fn slide_columns<const N: usize>(
+    sad: &mut Sad,
+    layout: &Layout,
+    k: usize,
     entering: RowPair<'_>,
     leaving: RowPair<'_>,
 ) {
-    let columns = columns.as_chunks_mut().0;
-    let count = columns.len();
+    let count = layout.stripe();
+    let columns = &mut sad.columns[BEFORE + k * layout.left()..];
+    let columns: &mut [[[u8; LANES]; N]] = columns.as_chunks_mut().0.as_chunks_mut().0;
+    let columns = &mut columns[..count];
     let left_in = groups(entering.left, 0, count);
     let left_out = groups(leaving.left, 0, count);
-    let right_in = groups(entering.right, shift * LANES, count);
-    let right_out = groups(leaving.right, shift * LANES, count);
-    let inside = groups(inside, 0, count);
+    let inside = groups(&sad.inside, 0, count);
+    // What the last index is compared with comes first.
+    let right = layout.shift(k + N - 1) * LANES;
+    let right_in = groups(entering.right, right, count + N - 1);
+    let right_out = groups(leaving.right, right, count + N - 1);
     for j in 0..count {
-        let mut sums: [u8; LANES] = columns[j];
-        for i in 0..LANES {
-            let gain = left_in[j][i].abs_diff(right_in[j][i]);
-            let loss = left_out[j][i].abs_diff(right_out[j][i]);
-            sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss) & inside[j][i];
+        for n in 0..N {
+            let right = j + N - 1 - n;
+            let (gain, loss) = ([&left_in[j], &right_in[right]], [&left_out[j], &right_out[right]]);
+            slide_vector(&mut columns[j][n], gain[0], gain[1], loss[0], loss[1], &inside[j]);
         }
-        columns[j] = sums;
+    }
+}
+
+/// `V` of a vector: a difference enters, another one leaves.
+#[inline(always)]
+fn slide_vector(
+    sums: &mut [u8; LANES],
+    left_in: &[u8; LANES],
+    right_in: &[u8; LANES],
+    left_out: &[u8; LANES],
+    right_out: &[u8; LANES],
+    inside: &[u8; LANES],
+) {
+    for i in 0..LANES {
+        let gain = left_in[i].abs_diff(right_in[i]);
+        let loss = left_out[i].abs_diff(right_out[i]);
+        sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss) & inside[i];
     }
 }
 
@@ -173,28 +198,25 @@ fn match_some<const N: usize>(
     entering: RowPair<'_>,
     leaving: RowPair<'_>,
 ) {
+    slide_columns::<N>(sad, layout, k, entering, leaving);
     let length = layout.left();
-    let rows = sad.columns[LANES..].chunks_exact_mut(length).skip(k).take(N);
-    for (k, columns) in (k..).zip(rows) {
-        slide_columns(columns, &sad.inside, layout.shift(k), entering, leaving);
-    }
+    // With the vectors before the first, and a margin.
+    let columns = &sad.columns[BEFORE + k * length - N * LANES..][..N * (length + LANES) + LANES];
+    // Where the vectors of all `N` stand that the first would begin with.
+    let place = |byte: usize| byte / LANES * N * LANES + byte % LANES;
     let costs: &mut [[[u16; LANES]; N]] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
     let costs = &mut costs[..layout.stripe() + 2 * N - 1];
     for n in 0..N {
         let outside = group(&sad.outside, layout.shift(k + n) * LANES);
         let untried = [group(&sad.beyond, 0), outside];
-        costs[N - 1][n] = first_sums(&sad.columns[(k + n) * length..], layout, untried);
+        costs[N - 1][n] = first_sums::<N>(&columns[n * LANES..], layout, untried);
     }
+    let right = layout.shift(k + N - 1);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
-        let (mut enter, mut leave, mut outside) = ([NO_PAIRS; N], [NO_PAIRS; N], [NO_GROUPS; N]);
-        for n in 0..N {
-            let columns = &sad.columns[(k + n) * length..];
-            enter[n] = pairs(columns, LANES + enters, count);
-            leave[n] = pairs(columns, first * LANES, count);
-            let at = layout.shift(k + n) + first;
-            outside[n] = groups(&sad.outside_flips, at * LANES, count);
-        }
+        let enter: &[[_; N]] = together(columns, place(LANES + enters), count);
+        let leave: &[[_; N]] = together(columns, place(first * LANES), count);
+        let outside = groups(&sad.outside_flips, (right + first) * LANES, count + N - 1);
         let beyond = groups(&sad.beyond_flips, first * LANES, count);
         let least = groups_mut(&mut sad.least, first * LANES, count);
         let index = groups_mut(&mut sad.index, first * LANES, count);
@@ -205,14 +227,9 @@ fn match_some<const N: usize>(
         for j in 0..count {
             let [from, to] = costs[j..].first_chunk_mut().expect("one before each");
             for n in 0..N {
-                slide_along(
-                    &from[n],
-                    &enter[n][j],
-                    &leave[n][j],
-                    &beyond[j],
-                    &outside[n][j],
-                    &mut to[n],
-                );
+                let (enter, leave) = (pairs(&enter[j][n]), pairs(&leave[j][n]));
+                let outside = &outside[j + N - 1 - n];
+                slide_along(&from[n], enter, leave, &beyond[j], outside, &mut to[n]);
             }
             compare_left(
                 to,
@@ -226,8 +243,7 @@ fn match_some<const N: usize>(
         }
     }
     costs[N - 1] = [[OUT; LANES]; N];
-    let right = layout.shift(k + N - 1) * LANES;
-    let count = layout.stripe() + N - 1;
+    let (right, count) = (right * LANES, layout.stripe() + N - 1);
     let least = groups_mut(&mut sad.right_least, right, count);
     let index = groups_mut(&mut sad.right_index, right, count);
     for j in 0..count {
@@ -240,9 +256,9 @@ fn match_some<const N: usize>(
     }
 }
 
-/// The sums of the windows before those of the first vector, of `V` with a vector before it.
+/// The sums of the windows before those of the first vector, of one of `N` and with a vector before it.
 #[inline(always)]
-fn first_sums(
+fn first_sums<const N: usize>(
     columns: &[u8],
     layout: &Layout,
     [beyond, outside]: [&[u16; LANES]; 2],
@@ -253,7 +269,7 @@ fn first_sums(
         sums[l] = beyond[l] | outside[l];
     }
     for at in layout.first_vectors() {
-        let vector = pairs(columns, at, 1)[0];
+        let vector = pairs(group(columns, at / LANES * N * LANES + at % LANES));
         for i in 0..half {
             let entering = halves(vector[i]);
             sums[i] += entering[0];
