@@ -6,7 +6,7 @@
 use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
-use crate::selection::winner::{self, Winner, Winners, disparity, tip_of_v};
+use crate::selection::winner::{self, Key, Winners, tip_of_v};
 
 /// A winner whose sum is so much below that of any other disparity has confidence 1/2.
 const HALF_SURE: f32 = 60.0;
@@ -110,7 +110,7 @@ at_every_level! {
         sub_pixel: bool,
         least_margin: u16,
         sums: &[u16],
-        winners: &[Winner],
+        winners: &[(Key, u16)],
         values: &mut [f32],
         confidence: &mut [f32],
     ) {
@@ -119,8 +119,7 @@ at_every_level! {
         for (block, (values, confidence)) in blocks.enumerate() {
             let first = block * BLOCK;
             let mut margins = [0u16; BLOCK];
-            for (i, &winner) in winners[first..].iter().take(BLOCK).enumerate() {
-                let margin = winner.margin;
+            for (i, &(winner, margin)) in winners[first..].iter().take(BLOCK).enumerate() {
                 let x = first + i;
                 let candidates = space.candidates(space.first + x);
                 let winner = winner.disparity().filter(|_| margin >= least_margin);
@@ -143,14 +142,14 @@ at_every_level! {
         space: &SearchSpace,
         sub_pixel: bool,
         sums: &[u16],
-        winners: &[u16],
+        winners: &[Key],
         values: &mut [f32],
     ) {
         let (mut found, mut pixels) = (Found::NOTHING, [0.0; BLOCK]);
         for (block, values) in values.chunks_mut(BLOCK).enumerate() {
             let first = block * BLOCK;
-            for (i, &winner) in winners[first..].iter().take(BLOCK).enumerate() {
-                let winner = disparity(winner);
+            for (i, winner) in winners[first..].iter().take(BLOCK).enumerate() {
+                let winner = winner.disparity();
                 let x = (space.width - 1 - first - i) as i64;
                 // The left column that it meets.
                 let column = x + i64::from(space.min) + winner.unwrap_or(0) as i64 - space.first as i64;
@@ -179,19 +178,18 @@ mod tests {
         let value = |k: usize, tip: f32| {
             (space.min + k as i32) as f32 + if selection.sub_pixel { tip } else { 0.0 }
         };
-        let left = winners.left.iter().enumerate().map(|(x, winner)| {
+        let left = winners.left.iter().enumerate().map(|(x, &(winner, margin))| {
             let candidates = space.candidates(space.first + x);
-            let Some(k) = winner.disparity().filter(|_| winner.margin >= selection.least_margin)
-            else {
+            let Some(k) = winner.disparity().filter(|_| margin >= selection.least_margin) else {
                 return f32::NAN;
             };
             let inner = k > candidates.start && k + 1 < candidates.end;
             value(k, if inner { tip_of_v(sum(x, k - 1), sum(x, k), sum(x, k + 1)) } else { 0.0 })
         });
         let confidence =
-            winners.left.iter().map(|w| f32::from(w.margin) / (f32::from(w.margin) + 60.0));
-        let right = winners.right(space).iter().zip((0..space.width).rev()).map(|(&winner, x)| {
-            let Some(k) = disparity(winner) else { return f32::NAN };
+            winners.left.iter().map(|&(_, margin)| f32::from(margin) / (f32::from(margin) + 60.0));
+        let right = winners.right(space).iter().zip((0..space.width).rev()).map(|(winner, x)| {
+            let Some(k) = winner.disparity() else { return f32::NAN };
             let column = (x as i64 + i64::from(space.min) + k as i64) as usize - space.first;
             let inner = (1..space.columns() - 1).contains(&column) && k > 0 && k + 1 < space.count;
             let tip = || tip_of_v(sum(column - 1, k - 1), sum(column, k), sum(column + 1, k + 1));

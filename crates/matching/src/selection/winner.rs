@@ -5,219 +5,122 @@
 //! second view costs no second matching (Fua 1993; Muehlmann et al. 2002). Of equal costs the
 //! smallest disparity wins, in both views.
 
+use std::ops::Range;
+
 use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::LANES;
 
-/// Operations on bytes per pixel and disparity, all of 16 bits: a minimum, then a comparison and a choice and a
-/// minimum for the place, a difference, a comparison, a choice and a minimum for the margin; two comparisons, a
-/// choice and a minimum for the right view.
-pub(crate) const OPERATIONS: usize = (1 + 3 + 4 + 4) * 2;
+/// Operations on bytes per pixel and disparity: a key and two minima of 32 bits, then a comparison and
+/// a minimum of 16.
+pub(crate) const OPERATIONS: usize = 3 * 4 + 2 * 2;
 
-/// Columns of the left view that are compared together with the right one: what they meet there is read and
-/// written once. One after the other, each would read what the one before wrote a disparity beside, and wait
-/// for it.
-const TOGETHER: usize = 4;
-
-/// Stands for "no disparity could be tried".
-const NONE: u16 = u16::MAX;
-
-/// The winner of a column of the left view.
+/// A sum and its disparity in one number, the sum above: of two keys the smaller one wins. The
+/// largest stands for "no disparity could be tried".
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Winner {
-    disparity: u16,
-    /// How much lower its sum lies than that of any disparity but its neighbours; 0 without any other.
-    pub margin: u16,
-}
+pub(crate) struct Key(u32);
 
-impl Winner {
+impl Key {
+    const NONE: Key = Key(u32::MAX);
+
     /// The disparity, counted from the smallest.
-    #[inline(always)]
     pub fn disparity(self) -> Option<usize> {
-        disparity(self.disparity)
+        (self != Self::NONE).then_some((self.0 & 0xFFFF) as usize)
     }
-}
 
-/// A disparity, counted from the smallest, if there is one.
-#[inline(always)]
-pub(crate) fn disparity(number: u16) -> Option<usize> {
-    (number != NONE).then_some(usize::from(number))
+    fn sum(self) -> u16 {
+        (self.0 >> 16) as u16
+    }
 }
 
 /// The winners of a row in both views, with their memory.
 #[derive(Debug, Default)]
 pub(crate) struct Winners {
-    /// One for each column of the search space.
-    pub left: Vec<Winner>,
-    right: Right,
-}
-
-/// The right view, as it looks in a mirror, between two margins.
-#[derive(Debug, Default)]
-struct Right {
-    /// The least sums.
-    least: Vec<u16>,
-    /// Their disparities.
-    disparities: Vec<u16>,
+    /// Per column of the search space: its winner, and how much lower its sum lies than that of any
+    /// disparity but its neighbours; 0 without any other.
+    pub left: Vec<(Key, u16)>,
+    /// Keys of the right view, as it looks in a mirror, between two margins.
+    right: Vec<Key>,
 }
 
 impl Winners {
     /// Finds the winners of a row of sums, `space.lanes` per column.
     pub fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16]) {
         self.left.clear();
-        self.left.resize(space.columns(), Winner { disparity: NONE, margin: 0 });
-        for row in [&mut self.right.least, &mut self.right.disparities] {
-            row.clear();
-            row.resize(space.width + 2 * space.lanes, NONE);
-        }
+        self.left.resize(space.columns(), (Key::NONE, 0));
+        self.right.clear();
+        self.right.resize(space.width + 2 * space.lanes, Key::NONE);
         select_row(level, space, sums, &mut self.left, &mut self.right);
     }
 
-    /// The disparities that win in the right view, which stands in a mirror; each may be [none](disparity).
-    pub fn right(&self, space: &SearchSpace) -> &[u16] {
-        &self.right.disparities[space.lanes..][..space.width]
+    /// The winners of the right view, which stands in a mirror.
+    pub fn right(&self, space: &SearchSpace) -> &[Key] {
+        &self.right[space.lanes..][..space.width]
     }
 }
 
-/// Whether a disparity is one of so many from the first on.
+/// The winner of a column with its margin, from its sums; the right view's keys meet these. Without
+/// `ALL` only `candidates` are tried.
 #[inline(always)]
-fn is_one(k: u16, (first, count): (u16, u16)) -> bool {
-    k.wrapping_sub(first) < count
-}
-
-/// The least of the first lanes.
-#[inline(always)]
-fn least_of(values: &[u16; LANES], lanes: usize) -> u16 {
-    values[..lanes].iter().copied().fold(u16::MAX, u16::min)
-}
-
-/// The winner of a column from its sums. Without `ALL` only some disparities are tried.
-#[inline(always)]
-fn select_column<const ALL: bool>(candidates: (u16, u16), sums: &[u16]) -> Winner {
-    // There are whole groups. The compiler does not know it, and so makes vectors of loops over the lanes; one
-    // over all of them it would unroll first, and compare them one by one.
+fn select_column<const ALL: bool>(
+    candidates: Range<usize>,
+    sums: &[u16],
+    right: &mut [Key],
+) -> (Key, u16) {
+    let (start, count) = (candidates.start as u32, candidates.len() as u32);
+    let mut lowest = [u32::MAX; LANES];
+    let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
+    for (group, (sums, right)) in groups.enumerate() {
+        for i in 0..LANES {
+            let k = (group * LANES + i) as u32;
+            let key = u32::from(sums[i]) << 16 | k;
+            let key = if ALL || k.wrapping_sub(start) < count { key } else { u32::MAX };
+            lowest[i] = lowest[i].min(key);
+            right[i] = Key(right[i].0.min(key));
+        }
+    }
+    // There are whole groups. The compiler does not know it, and so makes vectors of this loop; one over all
+    // lanes it would unroll first, and compare them one by one.
     let lanes = LANES.min(sums.len());
-    let groups = || sums.as_chunks::<LANES>().0.iter().zip((0..).step_by(LANES));
-    let mut lowest = [u16::MAX; LANES];
-    for (sums, first) in groups() {
-        for i in 0..LANES {
-            let tried = ALL || is_one(first + i as u16, candidates);
-            lowest[i] = lowest[i].min(if tried { sums[i] } else { u16::MAX });
-        }
-    }
-    let least = least_of(&lowest, lanes);
-    let mut places = [NONE; LANES];
-    for (sums, first) in groups() {
-        for i in 0..LANES {
-            let k = first + i as u16;
-            let wins = (sums[i] == least) & (ALL || is_one(k, candidates));
-            places[i] = places[i].min(if wins { k } else { NONE });
-        }
-    }
-    let disparity = least_of(&places, lanes);
+    let winner = Key(lowest[..lanes].iter().copied().fold(u32::MAX, u32::min));
+    let neighbour = (winner.0 as u16).wrapping_sub(1);
     let mut others = [u16::MAX; LANES];
-    for (sums, first) in groups() {
+    for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
         for i in 0..LANES {
-            let k = first + i as u16;
-            let beside = is_one(k, (disparity.wrapping_sub(1), 3));
-            let other = !beside & (ALL || is_one(k, candidates));
-            others[i] = others[i].min(if other { sums[i] } else { u16::MAX });
+            let k = (group * LANES + i) as u16;
+            let other = k.wrapping_sub(neighbour) > 2;
+            let tried = ALL || k.wrapping_sub(start as u16) < count as u16;
+            let sum = if other & tried { sums[i] } else { u16::MAX };
+            others[i] = others[i].min(sum);
         }
     }
-    let margin = match least_of(&others, lanes) {
+    let margin = match others.into_iter().fold(u16::MAX, u16::min) {
         u16::MAX => 0,
-        second => second - least,
+        second => second - winner.sum(),
     };
-    Winner { disparity, margin }
-}
-
-/// Compares the sums of `N` columns with the least ones so far of the right view, of which the first column's
-/// begin with these. After the sums there are `N - 1` more of any value.
-#[inline(always)]
-fn meet_right<const N: usize>(
-    candidates: [(u16, u16); N],
-    lanes: usize,
-    sums: &[u16],
-    least: &mut [u16],
-    disparities: &mut [u16],
-) {
-    let rights = least.as_chunks_mut::<LANES>().0.iter_mut().zip(disparities.as_chunks_mut().0);
-    for ((least, disparities), first) in rights.zip((0..).step_by(LANES)).take(lanes / LANES) {
-        for n in 0..N {
-            // The same right columns stand one disparity further on in every column.
-            let sums = &sums[n * lanes + first + n..][..LANES];
-            meet(candidates[n], (first + n) as u16, sums, least, disparities);
-        }
-    }
-}
-
-/// Compares sums, of disparities from `first` on, with the least ones so far: of equal ones the smaller
-/// disparity, which came before, stays.
-#[inline(always)]
-fn meet(
-    candidates: (u16, u16),
-    first: u16,
-    sums: &[u16],
-    least: &mut [u16; LANES],
-    disparities: &mut [u16; LANES],
-) {
-    for i in 0..LANES {
-        let k = first.wrapping_add(i as u16);
-        let sum = if is_one(k, candidates) { sums[i] } else { u16::MAX };
-        disparities[i] = if sum < least[i] { k } else { disparities[i] };
-        least[i] = least[i].min(sum);
-    }
+    (winner, margin)
 }
 
 at_every_level! {
-    /// In the mirror the right columns that a left one can match stand in the order of their disparities, so
-    /// that whole vectors of sums meet the least so far.
-    fn select_row(space: &SearchSpace, sums: &[u16], left: &mut [Winner], right: &mut Right) {
-        let lanes = space.lanes;
-        for (x, sums) in sums.chunks_exact(lanes).enumerate() {
-            let candidates = candidates(space, x);
-            left[x] = match candidates.1 {
-                0 => continue,
-                all if usize::from(all) == lanes => select_column::<true>(candidates, sums),
-                _ => select_column::<false>(candidates, sums),
+    /// One pass over the sums of each column serves both views: in the mirror the right columns that
+    /// a left one can match stand in the order of their disparities, so that whole vectors of keys
+    /// meet the least so far.
+    fn select_row(space: &SearchSpace, sums: &[u16], left: &mut [(Key, u16)], right: &mut [Key]) {
+        for (x, sums) in sums.chunks_exact(space.lanes).enumerate() {
+            let candidates = space.candidates(space.first + x);
+            if candidates.is_empty() {
+                continue;
+            }
+            // Where disparity 0 of this column stands among the right keys.
+            let place = (space.mirrored(space.first + x) + space.lanes as i64) as usize;
+            let right = &mut right[place..place + space.lanes];
+            left[x] = if candidates.len() == space.lanes {
+                select_column::<true>(candidates, sums, right)
+            } else {
+                select_column::<false>(candidates, sums, right)
             };
         }
-        let mut x = 0;
-        while x < left.len() {
-            // Where disparity 0 of this column stands among the right ones.
-            let place = (space.mirrored(space.first + x) + lanes as i64) as usize;
-            let Right { least, disparities } = &mut *right;
-            // A column more is left, whose sums come after those of these.
-            if x + TOGETHER < left.len() {
-                let mut some = [(0, 0); TOGETHER];
-                for n in 0..TOGETHER {
-                    some[n] = candidates(space, x + n);
-                    // Disparities that stand before that of the first column.
-                    for k in 0..n {
-                        let sum = sums[(x + n) * lanes + k];
-                        let at = place - n + k;
-                        if is_one(k as u16, some[n]) && sum < least[at] {
-                            (least[at], disparities[at]) = (sum, k as u16);
-                        }
-                    }
-                }
-                let sums = &sums[x * lanes..];
-                meet_right::<TOGETHER>(some, lanes, sums, &mut least[place..], &mut disparities[place..]);
-                x += TOGETHER;
-            } else {
-                let (one, sums) = (candidates(space, x), &sums[x * lanes..]);
-                meet_right::<1>([one], lanes, sums, &mut least[place..], &mut disparities[place..]);
-                x += 1;
-            }
-        }
     }
-}
-
-/// The first disparity that can be tried at a column, and how many there are.
-#[inline(always)]
-fn candidates(space: &SearchSpace, x: usize) -> (u16, u16) {
-    let candidates = space.candidates(space.first + x);
-    (candidates.start as u16, candidates.len() as u16)
 }
 
 /// Where the tip of a V through three costs lies, the second of which is the least, the shape
@@ -278,9 +181,9 @@ mod tests {
                 eprintln!("level {}", level.name());
                 let mut winners = Winners::default();
                 winners.select(level, &space, &sums);
-                let found = winners.left.iter().map(|w| w.disparity().map(|k| (k, w.margin)));
+                let found = winners.left.iter().map(|&(key, m)| key.disparity().map(|k| (k, m)));
                 assert_eq!(found.collect::<Vec<_>>(), left, "{space:?}");
-                let found = winners.right(&space).iter().map(|&number| disparity(number));
+                let found = winners.right(&space).iter().map(|key| key.disparity());
                 assert_eq!(found.collect::<Vec<_>>(), right, "{space:?}");
             }
         }
