@@ -87,13 +87,13 @@ pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
 
 /// The smaller number first.
 #[inline(always)]
-fn order<T: Ord + Copy>(a: &mut T, b: &mut T) {
-    (*a, *b) = ((*a).min(*b), (*a).max(*b));
+pub(crate) fn order<T: PartialOrd + Copy>(a: &mut T, b: &mut T) {
+    (*a, *b) = if *b < *a { (*b, *a) } else { (*a, *b) };
 }
 
 /// Nine comparisons sort five numbers.
 #[inline(always)]
-fn sort_5<T: Ord + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
+fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
     order(a, d);
     order(b, e);
     order(a, c);
@@ -107,7 +107,7 @@ fn sort_5<T: Ord + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
 
 /// The median of five sorted columns: `window[rank][column]`.
 #[inline(always)]
-fn median_of_sorted_columns<T: Ord + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
+fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
     // Written out: a loop of so much is not unrolled in time for pixels to be done side by side.
     let [a, b, c, d, e] = &mut window;
     sort_5(a);
@@ -134,23 +134,20 @@ fn median_of_sorted_columns<T: Ord + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
 
 /// Brings the least to the front and the largest to the end.
 #[inline(always)]
-fn drop_extremes<T: Ord + Copy, const N: usize>(numbers: &mut [T; N]) {
+fn drop_extremes<T: PartialOrd + Copy, const N: usize>(numbers: &mut [T; N]) {
     for i in 0..N / 2 {
-        order_at(numbers, i, N - 1 - i);
+        let (front, back) = numbers.split_at_mut(N - 1 - i);
+        order(&mut front[i], &mut back[0]);
     }
     // The least is in the front half now, the largest in the back half.
     for i in 1..N.div_ceil(2) {
-        order_at(numbers, 0, i);
+        let (front, back) = numbers.split_at_mut(i);
+        order(&mut front[0], &mut back[0]);
     }
     for i in N / 2..N - 1 {
-        order_at(numbers, i, N - 1);
+        let (front, back) = numbers.split_at_mut(N - 1);
+        order(&mut front[i], &mut back[0]);
     }
-}
-
-/// The same of two in an array.
-#[inline(always)]
-fn order_at<T: Ord + Copy, const N: usize>(numbers: &mut [T; N], a: usize, b: usize) {
-    (numbers[a], numbers[b]) = (numbers[a].min(numbers[b]), numbers[a].max(numbers[b]));
 }
 
 #[cfg(test)]

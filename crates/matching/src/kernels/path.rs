@@ -216,6 +216,7 @@ at_every_level! {
         // Cut before the loop, so that within it little is left to check.
         let p2 = transitions.p2.each_ref().map(|p2| &p2[..columns]);
         let rise = transitions.rise.each_ref().map(|rise| &rise[..columns]);
+        let [before0, before1, before2] = before.states.each_ref().map(|states| &states[..]);
         let before_least = before.least.each_ref().map(|least| &least[..columns + 2]);
         let after_least = after.least.each_mut().map(|least| &mut least[1..=columns]);
         let [after0, after1, after2] = &mut after.states;
@@ -242,10 +243,9 @@ at_every_level! {
                 (MARGIN as isize - isize::from(rise)) as usize
             });
             // The column of a step is one further on in the states; paths come from one before to one after.
-            let [from0, from1, from2] = &before.states;
-            let from0 = Around::new(from0, step_at * stride + first[0], lanes);
-            let from1 = Around::new(from1, (step_at + 1) * stride + first[1], lanes);
-            let from2 = Around::new(from2, (step_at + 2) * stride + first[2], lanes);
+            let from0 = Around::new(before0, step_at * stride + first[0], lanes);
+            let from1 = Around::new(before1, (step_at + 1) * stride + first[1], lanes);
+            let from2 = Around::new(before2, (step_at + 2) * stride + first[2], lanes);
             let from3 = Around::new(old, first[3], lanes);
             let least: [u8; 3] = std::array::from_fn(|path| before_least[path][step_at + path]);
             let to0 = &mut to0[MARGIN..][..count].as_chunks_mut::<LANES>().0[..lanes];

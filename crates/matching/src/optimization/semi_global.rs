@@ -171,7 +171,7 @@ impl Sweep {
             rise.clear();
             rise.resize(columns, 0);
         }
-        self.costs.refill(columns * count, 0);
+        self.costs.resize(columns * count, 0);
     }
 
     /// Goes on to row `y`, and leaves the detours of its paths. If it is the `last` to come there, it

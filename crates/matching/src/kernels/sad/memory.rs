@@ -1,6 +1,6 @@
 //! What the kernel keeps from one row to the next, and what it finds.
 
-use super::{MOST, OUT};
+use super::{OUT, TOGETHER};
 use crate::kernels::aligned::{Aligned, LINE};
 use crate::kernels::stripes::{LANES, Layout};
 
@@ -10,10 +10,10 @@ const BEYOND: u16 = OUT;
 const OUTSIDE: u16 = OUT << 1;
 
 /// Bytes before the columns' sums: of each disparity that is compared together a vector.
-pub(super) const BEFORE: usize = MOST * LANES;
+pub(super) const BEFORE: usize = TOGETHER * LANES;
 /// Vectors of a disparity in both margins of the costs: as many before the first as are compared together,
 /// and one less after the last.
-const MARGINS: usize = 2 * MOST - 1;
+const MARGINS: usize = 2 * TOGETHER - 1;
 
 /// What won in one row, per answered column of the left image.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl Sad {
     pub fn bytes(layout: &Layout) -> usize {
         let (left, right) = (layout.left(), layout.right());
         let sums = BEFORE + layout.count() * left + LANES + left;
-        let costs = MOST * (left + MARGINS * LANES);
+        let costs = TOGETHER * (left + MARGINS * LANES);
         let rows = 7 * left + 4 * right + 2 * LANES + 5 * layout.answered();
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
         sums + size_of::<u16>() * (costs + rows) + tables + 14 * LINE
@@ -90,7 +90,7 @@ impl Sad {
     pub fn begin(&mut self, layout: &Layout) {
         let (left, right) = (layout.left(), layout.right());
         self.columns.refill(BEFORE + layout.count() * left + LANES, 0);
-        self.costs.refill(MOST * (left + MARGINS * LANES), OUT);
+        self.costs.refill(TOGETHER * (left + MARGINS * LANES), OUT);
         for row in
             [&mut self.least, &mut self.index, &mut self.before, &mut self.after, &mut self.last]
         {

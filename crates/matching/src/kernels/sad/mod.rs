@@ -38,7 +38,7 @@ pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / (2 * RADIUS as u8 + 1);
 pub(crate) const OUT: u16 = 0x2000;
 
 /// So many disparities are compared together, at the end of the range single ones.
-const MOST: usize = 4;
+const TOGETHER: usize = 4;
 
 /// Operations on bytes per pixel and disparity: two differences of three each that are added and taken
 /// away, and what lies outside left out; of 16 bits two halves of what enters and leaves, an addition, a
@@ -62,9 +62,9 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        let whole = layout.count() / MOST * MOST;
-        for k in (0..whole).step_by(MOST) {
-            slide_columns::<MOST>(sad, layout, k, entering, leaving);
+        let whole = layout.count() / TOGETHER * TOGETHER;
+        for k in (0..whole).step_by(TOGETHER) {
+            slide_columns::<TOGETHER>(sad, layout, k, entering, leaving);
         }
         for k in whole..layout.count() {
             slide_columns::<1>(sad, layout, k, entering, leaving);
@@ -78,15 +78,16 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
+        // Single disparities at the end of a row before wrote over the margins of the costs.
         for row in [&mut sad.least, &mut sad.last, &mut sad.right_least, &mut sad.costs] {
             row.fill(OUT);
         }
         for row in [&mut sad.index, &mut sad.right_index] {
             row.fill(0);
         }
-        let whole = layout.count() / MOST * MOST;
-        for k in (0..whole).step_by(MOST) {
-            match_some::<MOST>(sad, layout, k, entering, leaving);
+        let whole = layout.count() / TOGETHER * TOGETHER;
+        for k in (0..whole).step_by(TOGETHER) {
+            match_some::<TOGETHER>(sad, layout, k, entering, leaving);
         }
         for k in whole..layout.count() {
             match_some::<1>(sad, layout, k, entering, leaving);
@@ -126,8 +127,14 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
 
 /// So many times `N` vectors from a place on.
 #[inline(always)]
-fn together<T, const N: usize>(samples: &[T], at: usize, count: usize) -> &[[[T; LANES]; N]] {
+fn side_by_side<T, const N: usize>(samples: &[T], at: usize, count: usize) -> &[[[T; LANES]; N]] {
     &samples[at..].as_chunks().0.as_chunks().0[..count]
+}
+
+/// Where the vectors of `N` disparities stand side by side of which one alone would begin at a byte.
+#[inline(always)]
+fn place_of_all<const N: usize>(byte: usize) -> usize {
+    byte / LANES * N * LANES + byte % LANES
 }
 
 /// Pairs of lanes.
@@ -202,8 +209,6 @@ fn match_some<const N: usize>(
     let length = layout.left();
     // With the vectors before the first, and a margin.
     let columns = &sad.columns[BEFORE + k * length - N * LANES..][..N * (length + LANES) + LANES];
-    // Where the vectors of all `N` stand that the first would begin with.
-    let place = |byte: usize| byte / LANES * N * LANES + byte % LANES;
     let costs: &mut [[[u16; LANES]; N]] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
     let costs = &mut costs[..layout.stripe() + 2 * N - 1];
     for n in 0..N {
@@ -214,8 +219,8 @@ fn match_some<const N: usize>(
     let right = layout.shift(k + N - 1);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
-        let enter: &[[_; N]] = together(columns, place(LANES + enters), count);
-        let leave: &[[_; N]] = together(columns, place(first * LANES), count);
+        let enter: &[[_; N]] = side_by_side(columns, place_of_all::<N>(LANES + enters), count);
+        let leave: &[[_; N]] = side_by_side(columns, place_of_all::<N>(first * LANES), count);
         let outside = groups(&sad.outside_flips, (right + first) * LANES, count + N - 1);
         let beyond = groups(&sad.beyond_flips, first * LANES, count);
         let least = groups_mut(&mut sad.least, first * LANES, count);
@@ -269,7 +274,7 @@ fn first_sums<const N: usize>(
         sums[l] = beyond[l] | outside[l];
     }
     for at in layout.first_vectors() {
-        let vector = pairs(group(columns, at / LANES * N * LANES + at % LANES));
+        let vector = pairs(group(columns, place_of_all::<N>(at)));
         for i in 0..half {
             let entering = halves(vector[i]);
             sums[i] += entering[0];
