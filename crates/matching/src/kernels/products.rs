@@ -100,10 +100,16 @@ pub(crate) fn packed(one: i32, other: i32) -> i32 {
     other << 16 | one & 0xFFFF
 }
 
+/// The pairs of all sums, number by number.
+pub(crate) type Numbers = [i16; 2 * LANES];
+
 /// What adds pairs of products at one level.
 pub(crate) trait Products: Copy {
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
+
+    /// Adds to each sum both products of its own pairs with each other.
+    fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers);
 }
 
 /// The definition, which the compiler vectorises where nothing better is written out.
@@ -118,6 +124,15 @@ impl Products for Plain {
         for (sum, &own) in sums.iter_mut().zip(own) {
             *sum +=
                 i32::from(shared[0]) * i32::from(own as i16) + i32::from(shared[1]) * (own >> 16);
+        }
+    }
+
+    #[inline(always)]
+    fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
+        let pairs = one.as_chunks::<2>().0.iter().zip(other.as_chunks::<2>().0);
+        for (sum, (one, other)) in sums.iter_mut().zip(pairs) {
+            let products = [0, 1].map(|i| i32::from(one[i]) * i32::from(other[i]));
+            *sum += products[0] + products[1];
         }
     }
 }
@@ -147,11 +162,11 @@ mod x86 {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{LANES, Pair, Products};
+    use super::{LANES, Numbers, Pair, Products};
 
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
-        ($name:ident, $sums:ident, $same:ident, |$sum:ident, $shared:ident, $own:ident| $add:expr) => {
+        ($name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr) => {
             #[derive(Clone, Copy)]
             pub(crate) struct $name(());
 
@@ -174,8 +189,26 @@ mod x86 {
                     unsafe {
                         let mut parts: [$sums; PARTS] = transmute(*sums);
                         let own: [$sums; PARTS] = transmute(*own);
-                        let $shared = $same(transmute::<Pair, i32>(shared));
-                        for (part, $own) in parts.iter_mut().zip(own) {
+                        let $one = $same(transmute::<Pair, i32>(shared));
+                        for (part, $other) in parts.iter_mut().zip(own) {
+                            let $sum = *part;
+                            *part = $add;
+                        }
+                        *sums = transmute::<[$sums; PARTS], [i32; LANES]>(parts);
+                    }
+                }
+
+                #[inline(always)]
+                fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
+                    const PARTS: usize = size_of::<[i32; LANES]>() / size_of::<$sums>();
+                    // SAFETY: as above.
+                    unsafe {
+                        let mut parts: [$sums; PARTS] = transmute(*sums);
+                        let one: [$sums; PARTS] = transmute(*one);
+                        let other: [$sums; PARTS] = transmute(*other);
+                        for (part, ($one, $other)) in
+                            parts.iter_mut().zip(one.into_iter().zip(other))
+                        {
                             let $sum = *part;
                             *part = $add;
                         }
@@ -228,6 +261,32 @@ mod tests {
             let mut sums = std::array::from_fn(|l| l as i32 - 7);
             add_all(level, &mut sums, &shared, &own);
             assert_eq!(sums, expected);
+        }
+    }
+
+    #[test]
+    fn sums_of_own_products_are_their_definition_at_every_level() {
+        at_every_level! {
+            fn add_own[products](sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
+                products.add_each(sums, one, other);
+            }
+        }
+
+        let numbers = |seed: i32| -> Numbers {
+            std::array::from_fn(|i| ((seed + i as i32) * 7919 % 65_535 - 32_767) as i16)
+        };
+        let (one, other) = (numbers(3), numbers(11));
+        let expected: [i32; LANES] = std::array::from_fn(|l| {
+            let products = [2 * l, 2 * l + 1].map(|i| i64::from(one[i]) * i64::from(other[i]));
+            (products[0] + products[1] - 5) as i32
+        });
+        let mut plain = [-5; LANES];
+        Plain.add_each(&mut plain, &one, &other);
+        assert_eq!(plain, expected);
+        for level in Level::available() {
+            let mut sums = [-5; LANES];
+            add_own(level, &mut sums, &one, &other);
+            assert_eq!(sums, expected, "level {}", level.name());
         }
     }
 

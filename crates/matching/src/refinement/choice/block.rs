@@ -8,15 +8,19 @@ use raster::{Plane, Reason, View};
 
 use super::certainty;
 use super::reach::{MOST, Place, Reach};
+use super::relations::{NO_NUMBERS, Relations, in_turns, say_the_same};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
 use crate::kernels::level::Level;
+use crate::kernels::products::Products;
 use crate::kernels::rounding::nearest;
 
 /// Pixels that are worked on together.
 pub(crate) const LANES: usize = 16;
 /// One number for each of them.
 pub(crate) type Lanes = [f32; LANES];
+/// A whole number for each of them.
+pub(super) type Sums = [i32; LANES];
 
 /// What is known of each candidate, in the order of [`Hints`].
 pub(super) const OF_EACH: usize = 20;
@@ -37,9 +41,6 @@ pub(super) const OF_PIXEL: usize = 6;
 /// 18, 19: the share of candidates that say the same among the confident ones, and among those
 /// that no edge parts from the pixel.
 pub(super) type Hints = [Lanes; OF_EACH];
-
-/// Candidates within so many pixels of disparity say the same.
-const SAME: f32 = 1.0;
 
 /// What is known of the images and of both views, and stays as it is.
 pub(crate) struct Given<'a> {
@@ -110,9 +111,9 @@ pub(super) struct Block {
     pub inside: [Lanes; MOST],
     steep: [Lanes; MOST],
     notes: [[Note; LANES]; MOST],
-    /// How far candidates are to be heard.
-    heard: [[Lanes; VOTES]; MOST],
-    votes: [[Lanes; VOTES]; MOST],
+    /// How the candidates lie to each other.
+    pub relations: Relations,
+    votes: [[Sums; VOTES]; MOST],
     /// What makes votes shares.
     scales: [Lanes; VOTES],
     here: Lanes,
@@ -121,6 +122,12 @@ pub(super) struct Block {
     /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
     pub of_pixel: [Lanes; OF_PIXEL],
     windows: Several,
+    /// Where candidates meet the other image: the windows there, what the right view says, whether it lies outside.
+    met: [Several; MOST],
+    right: [Lanes; MOST],
+    outside: [Lanes; MOST],
+    /// How many of the pixels are of interest.
+    count: usize,
     /// Where the pixels lie in the map.
     pub columns: [usize; LANES],
     /// And in the image.
@@ -172,6 +179,8 @@ impl Note {
     }
 }
 
+/// A candidate that is heard in full.
+const HEARD: f32 = 16384.0;
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
 const VOTES: usize = 4;
 
@@ -181,7 +190,10 @@ impl Block {
     /// With candidates of the map.
     #[cfg(test)]
     pub fn of(reach: &Reach, disparities: [Lanes; MOST]) -> Self {
-        Self { places: reach.places, disparities, inside: [[1.0; LANES]; MOST], ..Self::default() }
+        let inside = [[1.0; LANES]; MOST];
+        let mut block = Self { places: reach.places, disparities, inside, ..Self::default() };
+        block.relations.find(&disparities[..reach.places.len()], &block.here);
+        block
     }
 
     /// How many candidates a pixel has.
@@ -318,7 +330,13 @@ impl Block {
     /// Compares the windows of the first pixels, so many, and their candidates with each other; then
     /// hints can be asked for. The other pixels are of no interest.
     #[inline(always)]
-    pub fn compare(&mut self, count: usize, given: &Given<'_>, compared: &Compared<'_>) {
+    pub fn compare(
+        &mut self,
+        products: impl Products,
+        count: usize,
+        given: &Given<'_>,
+        compared: &Compared<'_>,
+    ) {
         // They may lie beyond the ends of the map.
         for l in count..LANES {
             self.columns[l] = self.columns[0];
@@ -328,92 +346,107 @@ impl Block {
             columns[l] = given.first + compared.every * self.columns[l];
             self.image_columns[l] = columns[l] as i32;
         }
-        self.windows = Several::at(compared.base, &columns);
+        self.count = count;
+        self.windows.take(compared.base, &columns);
         let textures = self.windows.textures();
         for l in 0..LANES {
             self.of_pixel[5][l] = textures[l] * (1.0 / (10 * STEPS) as f32);
         }
-        self.count_votes();
+        for k in 0..self.places.len() {
+            self.meet(compared, k);
+        }
+        self.relations.find(&self.disparities[..self.places.len()], &self.here);
+        self.count_votes(products);
     }
 
-    /// Counts the candidates that say the same, each weighed by how far it is to be heard.
+    /// Looks at where candidate `k` meets the other image. All candidates do that before anything is made of it:
+    /// what was just written in parts cannot be read as a whole for a while.
     #[inline(always)]
-    fn count_votes(&mut self) {
-        let n = self.places.len();
-        let heard = &mut self.heard;
-        let mut all = [NONE; VOTES];
-        for k in 0..n {
-            for l in 0..LANES {
-                let inside = self.inside[k][l];
-                // Of the same shade: 1 to 0 over 16 grey values.
-                let note = self.notes[k][l];
-                let shade = 1.0 - note.shade() * 1.25;
-                let shade = if shade < 0.05 { 0.05 } else { shade };
-                let edges = note.edges();
-                heard[k][0][l] = inside;
-                heard[k][1][l] = inside * shade;
-                heard[k][2][l] = inside * (note.confidence() + 0.01);
-                heard[k][3][l] = inside / (1.0 + edges * edges);
-            }
-            for vote in 0..VOTES {
-                for l in 0..LANES {
-                    all[vote][l] += heard[k][vote][l];
-                }
-            }
-        }
-        // Two at a time: what the others say is read once for both.
-        for first in (0..n).step_by(2) {
-            let [one, two]: &[Lanes; 2] =
-                self.disparities[first..].first_chunk().expect("room for all");
-            let ([mut a, mut b, mut c, mut d], [mut e, mut f, mut g, mut h]) =
-                ([NONE; VOTES], [NONE; VOTES]);
-            for (other, heard) in self.disparities.iter().zip(&*heard).take(n) {
-                let mut same = [NONE; 2];
-                for l in 0..LANES {
-                    same[0][l] = share((other[l] - one[l]).abs() < SAME);
-                    same[1][l] = share((other[l] - two[l]).abs() < SAME);
-                }
-                // Written out: a loop over the kinds would be taken for the one to work on together.
-                add(&same[0], &heard[0], &mut a);
-                add(&same[0], &heard[1], &mut b);
-                add(&same[0], &heard[2], &mut c);
-                add(&same[0], &heard[3], &mut d);
-                add(&same[1], &heard[0], &mut e);
-                add(&same[1], &heard[1], &mut f);
-                add(&same[1], &heard[2], &mut g);
-                add(&same[1], &heard[3], &mut h);
-            }
-            self.votes[first] = [a, b, c, d];
-            self.votes[first + 1] = [e, f, g, h];
-        }
-        for (scale, all) in self.scales.iter_mut().zip(&all) {
-            for l in 0..LANES {
-                scale[l] = 3.0 / all[l];
-            }
-        }
-    }
-
-    /// What is known of candidate `k`.
-    #[inline(always)]
-    pub fn hints(&self, compared: &Compared<'_>, k: usize) -> Hints {
-        let mut hints = [NONE; OF_EACH];
+    fn meet(&mut self, compared: &Compared<'_>, k: usize) {
         let disparities = &self.disparities[k];
-        let width = compared.other.len();
+        let last = compared.other.len() as i32 - 1;
         let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
         for l in 0..LANES {
             let column = self.image_columns[l] - nearest(disparities[l]);
-            let last = width as i32 - 1;
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped > last { last } else { clamped };
             outside[l] = share(clamped != column);
             at[l] = clamped as usize;
             mirrored[l] = (last - clamped) as usize;
         }
-        let Fits { bits, bits_here, steps } = self.windows.fit(&Several::at(compared.other, &at));
-        let mut right = NONE;
+        self.outside[k] = outside;
+        self.met[k].take(compared.other, &at);
         for l in 0..LANES {
-            right[l] = compared.right[mirrored[l]];
+            self.right[k][l] = compared.right[mirrored[l]];
         }
+    }
+
+    /// Counts the candidates that say the same, each weighed by how far it is to be heard.
+    #[inline(always)]
+    fn count_votes(&mut self, products: impl Products) {
+        let n = self.places.len();
+        let mut heard = [[NO_NUMBERS; VOTES]; MOST / 2];
+        let mut all = [[0; LANES]; VOTES];
+        for (i, heard) in heard[..n / 2].iter_mut().enumerate() {
+            let (one, other) = (self.heard(2 * i), self.heard(2 * i + 1));
+            for vote in 0..VOTES {
+                heard[vote] = in_turns(&one[vote], &other[vote]);
+                for l in 0..LANES {
+                    all[vote][l] += one[vote][l] + other[vote][l];
+                }
+            }
+        }
+        // Two at a time: what the others say is read once for both.
+        for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
+            let [one, two] = self.relations.of(i);
+            let ([mut a, mut b, mut c, mut d], [mut e, mut f, mut g, mut h]) =
+                ([[0; LANES]; VOTES], [[0; LANES]; VOTES]);
+            for (other, heard) in self.relations.pairs().iter().zip(&heard) {
+                let same = [say_the_same(&one, other), say_the_same(&two, other)];
+                products.add_each(&mut a, &same[0], &heard[0]);
+                products.add_each(&mut b, &same[0], &heard[1]);
+                products.add_each(&mut c, &same[0], &heard[2]);
+                products.add_each(&mut d, &same[0], &heard[3]);
+                products.add_each(&mut e, &same[1], &heard[0]);
+                products.add_each(&mut f, &same[1], &heard[1]);
+                products.add_each(&mut g, &same[1], &heard[2]);
+                products.add_each(&mut h, &same[1], &heard[3]);
+            }
+            *votes = [[a, b, c, d], [e, f, g, h]];
+        }
+        for (scale, all) in self.scales.iter_mut().zip(&all) {
+            for l in 0..LANES {
+                scale[l] = 3.0 / all[l] as f32;
+            }
+        }
+    }
+
+    /// How far candidate `k` is to be heard by each kind of vote, in parts of [`HEARD`].
+    #[inline(always)]
+    fn heard(&self, k: usize) -> [Sums; VOTES] {
+        let mut heard = [[0; LANES]; VOTES];
+        for l in 0..LANES {
+            let inside = self.inside[k][l] * HEARD;
+            // Of the same shade: 1 to 0 over 16 grey values.
+            let note = self.notes[k][l];
+            let shade = 1.0 - note.shade() * 1.25;
+            let shade = if shade < 0.05 { 0.05 } else { shade };
+            let edges = note.edges();
+            heard[0][l] = nearest(inside);
+            heard[1][l] = nearest(inside * shade);
+            heard[2][l] = nearest(inside * (note.confidence() + 0.01));
+            heard[3][l] = nearest(inside / (1.0 + edges * edges));
+        }
+        heard
+    }
+
+    /// What is known of candidate `k`.
+    #[inline(always)]
+    pub fn hints(&self, k: usize) -> Hints {
+        let mut hints = [NONE; OF_EACH];
+        let disparities = &self.disparities[k];
+        let (right, outside) = (&self.right[k], &self.outside[k]);
+        let Fits { bits, bits_here, steps } = self.windows.fit(&self.met[k], self.count);
         for l in 0..LANES {
             let apart = disparities[l] - self.here[l];
             hints[0][l] = bent(apart);
@@ -433,12 +466,12 @@ impl Block {
             hints[4][l] = note.doubt();
             hints[5][l] = note.shade();
             hints[17][l] = note.edges();
-            hints[11][l] = self.votes[k][0][l] * self.scales[0][l];
-            hints[12][l] = self.votes[k][1][l] * self.scales[1][l];
-            hints[18][l] = self.votes[k][2][l] * self.scales[2][l];
-            hints[19][l] = self.votes[k][3][l] * self.scales[3][l];
+            hints[11][l] = self.votes[k][0][l] as f32 * self.scales[0][l];
+            hints[12][l] = self.votes[k][1][l] as f32 * self.scales[1][l];
+            hints[18][l] = self.votes[k][2][l] as f32 * self.scales[2][l];
+            hints[19][l] = self.votes[k][3][l] as f32 * self.scales[3][l];
         }
-        hints[15] = outside;
+        hints[15] = *outside;
         hints
     }
 }
@@ -450,16 +483,6 @@ fn bent(difference: f32) -> f32 {
     let near = if far < 3.0 { far } else { 3.0 };
     let far = if far < 48.0 { far } else { 48.0 };
     (0.4 * near + 0.05 * far).copysign(difference)
-}
-
-/// Adds products.
-#[inline(always)]
-fn add(by: &Lanes, what: &Lanes, to: &mut Lanes) {
-    let mut sums = *to;
-    for l in 0..LANES {
-        sums[l] += by[l] * what[l];
-    }
-    *to = sums;
 }
 
 #[inline(always)]

@@ -13,19 +13,22 @@
 //! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 
-use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL};
+use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL, Sums};
 use super::reach::{MOST, Reach};
-use crate::kernels::products::{Pair, Products, Weighing, packed, sample};
+use super::relations::{NO_NUMBERS, PARTS, apart, in_turns};
+use crate::kernels::products::{Numbers, Pair, Products, Weighing, packed, sample};
 use crate::kernels::rounding::nearest;
 
 /// The most numbers that a layer has.
 const LARGEST: usize = 32;
 /// Errors beyond this, in pixels, are as bad as this.
 const FAR: f32 = 3.0;
+const FAR_IN_PARTS: i16 = (FAR * PARTS) as i16;
+/// The share of a candidate that is certain, in numbers of 16 bits.
+const ALL: f32 = 32767.0;
 
 /// Sums that grow together: each number of the layer before is read once for all of these.
-const TOGETHER: usize = 4;
-const _: () = assert!(MOST.is_multiple_of(TOGETHER));
+const TOGETHER: usize = 8;
 
 /// The numbers of the two layers between; each a multiple of [`TOGETHER`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,8 +37,6 @@ pub(crate) struct Layers {
     pub second: usize,
 }
 
-/// A sum for each pixel.
-type Sums = [i32; LANES];
 /// Two numbers of each pixel, [`packed`].
 type Pairs = [i32; LANES];
 
@@ -45,8 +46,8 @@ pub(crate) struct Judge {
     layers: Layers,
     /// What a place adds to each sum of the first layer.
     places: Vec<[i32; LARGEST]>,
-    of_each: Vec<[[Pair; TOGETHER]; OF_EACH / 2]>,
-    of_pixel: Vec<[[Pair; TOGETHER]; OF_PIXEL / 2]>,
+    of_each: Vec<[Pair; TOGETHER]>,
+    of_pixel: Vec<[Pair; TOGETHER]>,
     first: Weighing,
     weights: Vec<[Pair; TOGETHER]>,
     offsets: [i32; LARGEST],
@@ -59,14 +60,22 @@ pub(crate) struct Judge {
 pub(super) struct Mind {
     /// What the pixels add to the first layer.
     own: [Sums; LARGEST],
-    /// Of each candidate, in the end how likely it is and how far it is expected to be off.
+    /// Of each candidate, and in the end how likely it is.
     scores: [Lanes; MOST],
-    expected: [Lanes; MOST],
+    /// The same in parts of [`ALL`], of two after the other.
+    shares: [Numbers; MOST / 2],
+    /// How far each is expected to be off.
+    expected: [Sums; MOST],
 }
 
 impl Default for Mind {
     fn default() -> Self {
-        Self { own: [[0; LANES]; LARGEST], scores: [NONE; MOST], expected: [NONE; MOST] }
+        Self {
+            own: [[0; LANES]; LARGEST],
+            scores: [NONE; MOST],
+            shares: [NO_NUMBERS; MOST / 2],
+            expected: [[0; LANES]; MOST],
+        }
     }
 }
 
@@ -122,8 +131,8 @@ impl Judge {
             places: (0..reach.places.len())
                 .map(|k| filled_up(of_places.iter().map(|row| weighing.offset(row[k]))))
                 .collect(),
-            of_each: together(&of_each, weighing).into_iter().map(exactly).collect(),
-            of_pixel: together(&of_pixel, weighing).into_iter().map(exactly).collect(),
+            of_each: together(&of_each, weighing).concat(),
+            of_pixel: together(&of_pixel, weighing).concat(),
             first: weighing,
             weights: together(&weights, second).concat(),
             offsets: filled_up(offsets.iter().map(|&offset| second.part(offset))),
@@ -141,9 +150,19 @@ impl Judge {
     ) {
         let [a, b, c] = of_pixel.as_chunks().0 else { unreachable!("pixels have six numbers") };
         let pairs = [in_pairs(a), in_pairs(b), in_pairs(c)];
-        for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(&self.of_pixel) {
+        let groups = self.groups(&self.of_pixel);
+        for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(groups) {
             *own = weighted(products, [[0; LANES]; TOGETHER], weights, &pairs);
         }
+    }
+
+    /// The weights of a layer, those of sums that grow together one after the other.
+    #[inline(always)]
+    fn groups<'a>(
+        &self,
+        weights: &'a [[Pair; TOGETHER]],
+    ) -> impl Iterator<Item = &'a [[Pair; TOGETHER]]> {
+        weights.chunks_exact(weights.len() / (self.layers.first / TOGETHER))
     }
 
     /// Scores candidate `k`.
@@ -169,10 +188,15 @@ impl Judge {
         let mut numbers = [[0; LANES]; LARGEST / 2];
         let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
         let groups = groups.zip(mind.own.as_chunks().0);
-        for ((out, own), (weights, place)) in groups.zip(self.of_each.iter().zip(places)) {
-            let [a, b, c, d] = weighted(products, *own, weights, &hints);
-            let [of_a, of_b, of_c, of_d]: [i32; TOGETHER] = *place;
-            *out = [self.of_first((&a, of_a), (&b, of_b)), self.of_first((&c, of_c), (&d, of_d))];
+        for ((out, own), (weights, place)) in groups.zip(self.groups(&self.of_each).zip(places)) {
+            let [a, b, c, d, e, f, g, h] = weighted(products, *own, weights, &hints);
+            let [of_a, of_b, of_c, of_d, of_e, of_f, of_g, of_h]: [i32; TOGETHER] = *place;
+            *out = [
+                self.of_first((&a, of_a), (&b, of_b)),
+                self.of_first((&c, of_c), (&d, of_d)),
+                self.of_first((&e, of_e), (&f, of_f)),
+                self.of_first((&g, of_g), (&h, of_h)),
+            ];
         }
         let numbers = &numbers[..self.layers.first / 2];
         let mut score = NONE;
@@ -217,10 +241,6 @@ fn together(rows: &[Vec<f32>], weighing: Weighing) -> Vec<Vec<[Pair; TOGETHER]>>
     rows.chunks_exact(TOGETHER).map(group).collect()
 }
 
-fn exactly<T, const N: usize>(items: Vec<T>) -> [T; N] {
-    items.try_into().ok().expect("as many columns as are known of a candidate or pixel")
-}
-
 /// The first of an array, and nothing after them.
 fn filled_up<T: Default + Copy>(first: impl Iterator<Item = T>) -> [T; LARGEST] {
     let mut all = [T::default(); LARGEST];
@@ -246,20 +266,24 @@ fn weighted(
     weights: &[[Pair; TOGETHER]],
     from: &[Pairs],
 ) -> [Sums; TOGETHER] {
-    let [mut a, mut b, mut c, mut d] = sums;
+    let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = sums;
     for (weights, from) in weights.iter().zip(from) {
         products.add(&mut a, weights[0], from);
         products.add(&mut b, weights[1], from);
         products.add(&mut c, weights[2], from);
         products.add(&mut d, weights[3], from);
+        products.add(&mut e, weights[4], from);
+        products.add(&mut f, weights[5], from);
+        products.add(&mut g, weights[6], from);
+        products.add(&mut h, weights[7], from);
     }
-    [a, b, c, d]
+    [a, b, c, d, e, f, g, h]
 }
 
 /// The candidate that is expected to be off by the least, by the scores of all.
 #[inline(always)]
-pub(super) fn verdict(block: &Block, mind: &mut Mind) -> Verdict {
-    let Mind { scores, expected, .. } = mind;
+pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -> Verdict {
+    let Mind { scores, shares, expected, .. } = mind;
     let n = block.candidates();
     let mut best = [f32::NEG_INFINITY; LANES];
     for k in 0..n {
@@ -277,47 +301,63 @@ pub(super) fn verdict(block: &Block, mind: &mut Mind) -> Verdict {
             all[l] += share;
         }
     }
-    let shares = scores;
-    // Some that grow together: what the others say is read once for all of these.
-    for first in (0..n).step_by(TOGETHER) {
-        let own: &[Lanes; TOGETHER] =
-            block.disparities[first..].first_chunk().expect("room for all");
-        let [mut a, mut b, mut c, mut d] = [NONE; TOGETHER];
-        for (other, share) in block.disparities.iter().zip(&*shares).take(n) {
-            add_off(&own[0], other, share, &mut a);
-            add_off(&own[1], other, share, &mut b);
-            add_off(&own[2], other, share, &mut c);
-            add_off(&own[3], other, share, &mut d);
-        }
-        expected[first..][..TOGETHER].copy_from_slice(&[a, b, c, d]);
+    let mut scale = NONE;
+    for l in 0..LANES {
+        scale[l] = ALL / all[l];
     }
-    let (mut least, mut disparity) = ([f32::INFINITY; LANES], block.disparities[0]);
-    for k in 0..n {
-        for l in 0..LANES {
-            let better = (block.inside[k][l] > 0.0) & (expected[k][l] < least[l]);
-            least[l] = if better { expected[k][l] } else { least[l] };
-            disparity[l] = if better { block.disparities[k][l] } else { disparity[l] };
+    for (shares, [one, other]) in shares.iter_mut().zip(scores[..n].as_chunks().0) {
+        *shares = in_turns(&scaled(one, &scale), &scaled(other, &scale));
+    }
+    // Some that grow together: what the others say is read once for all of these.
+    for (i, expected) in expected[..n].as_chunks_mut::<4>().0.iter_mut().enumerate() {
+        let ([one, two], [three, four]) =
+            (block.relations.of(2 * i), block.relations.of(2 * i + 1));
+        let [mut a, mut b, mut c, mut d] = [[0; LANES]; 4];
+        for (other, shares) in block.relations.pairs().iter().zip(&*shares) {
+            products.add_each(&mut a, &apart(&one, other, FAR_IN_PARTS), shares);
+            products.add_each(&mut b, &apart(&two, other, FAR_IN_PARTS), shares);
+            products.add_each(&mut c, &apart(&three, other, FAR_IN_PARTS), shares);
+            products.add_each(&mut d, &apart(&four, other, FAR_IN_PARTS), shares);
         }
+        *expected = [a, b, c, d];
+    }
+    let mut least = [i32::MAX; LANES];
+    for (k, (expected, inside)) in expected[..n].iter().zip(&block.inside).enumerate() {
+        least = winner(&least, expected, inside, k);
+    }
+    let mut disparity = NONE;
+    for l in 0..LANES {
+        disparity[l] = block.disparities[least[l] as usize % MOST][l];
+        least[l] /= MOST as i32;
     }
     let mut certainty = NONE;
     for l in 0..LANES {
-        // Sums are rounded.
-        let sure = 1.0 - least[l] / (FAR * all[l]);
+        // Shares are rounded.
+        let sure = 1.0 - least[l] as f32 * (1.0 / (FAR * PARTS * ALL));
         certainty[l] = if sure > 0.0 { sure } else { 0.0 };
     }
     Verdict { disparity, certainty }
 }
 
-/// Adds by how much disparities are off where another one is right, as likely as that is.
+/// The least so far or that of a candidate inside the map.
 #[inline(always)]
-fn add_off(disparity: &Lanes, other: &Lanes, share: &Lanes, expected: &mut Lanes) {
-    let mut sums = *expected;
+fn winner(least: &Sums, expected: &Sums, inside: &Lanes, candidate: usize) -> Sums {
+    let mut winner = [0; LANES];
     for l in 0..LANES {
-        let off = (other[l] - disparity[l]).abs();
-        let off = if off < FAR { off } else { FAR };
-        sums[l] += off * share[l];
+        let key = expected[l] * MOST as i32 + candidate as i32;
+        let key = if inside[l] > 0.0 { key } else { i32::MAX };
+        winner[l] = if key < least[l] { key } else { least[l] };
     }
-    *expected = sums;
+    winner
+}
+
+#[inline(always)]
+fn scaled(numbers: &Lanes, scale: &Lanes) -> Sums {
+    let mut scaled = [0; LANES];
+    for l in 0..LANES {
+        scaled[l] = nearest(numbers[l] * scale[l]);
+    }
+    scaled
 }
 
 /// `e^x` of what is not positive, by powers of two and a polynomial of what is left (its Taylor
@@ -341,6 +381,7 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
     use crate::kernels::level::{Level, at_every_level};
+    use crate::kernels::products::Plain;
     use crate::refinement::choice::reach::{NARROW, WIDE};
 
     const SHAPES: [(&Reach, Layers); 2] =
@@ -353,7 +394,7 @@ mod tests {
             for (k, hints) in hints.iter().enumerate() {
                 judge.score(products, k, hints, &mut mind);
             }
-            verdict(block, &mut mind)
+            verdict(products, block, &mut mind)
         }
     }
 
@@ -447,8 +488,9 @@ mod tests {
     fn of_many_that_say_nearly_the_same_the_middle_wins_and_one_alone_does_not() {
         let disparity = |k: usize| if k == 0 { 30.0 } else { 0.01 * k as f32 };
         let block = Block::of(&WIDE, std::array::from_fn(|k| [disparity(k); LANES]));
-        let Verdict { disparity, certainty } = verdict(&block, &mut Mind::default());
-        assert_eq!(disparity, [0.16; LANES]);
+        let Verdict { disparity, certainty } = verdict(Plain, &block, &mut Mind::default());
+        // By parts of a pixel.
+        assert!(disparity.iter().all(|d| (d - 0.16).abs() < 1.0 / PARTS), "{disparity:?}");
         // One of 32 is as bad as can be, the others are off by a little.
         let sure = certainty[3];
         assert!(sure > 0.9 && sure < 31.0 / 32.0, "{sure}");

@@ -49,7 +49,7 @@ impl Known {
 }
 
 at_every_level! {
-    fn known(
+    fn known[products](
         scene: &Scene<'_>,
         reach: &Reach,
         compared: &Compared<'_>,
@@ -60,12 +60,12 @@ at_every_level! {
             return None;
         }
         block.look(scene);
-        block.compare(1, scene.given, compared);
+        block.compare(products, 1, scene.given, compared);
         let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
         for k in 0..block.candidates() {
             known.disparities.push(block.disparities[k][0]);
             known.inside.push(block.inside[k][0] > 0.0);
-            let hints = block.hints(compared, k);
+            let hints = block.hints(k);
             for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
                 of_each.push(hint[0]);
             }

@@ -22,6 +22,7 @@ mod lesson;
 mod looks;
 mod moved;
 mod reach;
+mod relations;
 mod rounds;
 mod slopes;
 mod sparse;
@@ -181,12 +182,12 @@ fn decide(
     out: &mut [f32],
     certainty: &mut [u8],
 ) {
-    asked.compare(count, given, compared);
+    asked.compare(products, count, given, compared);
     judge.look(products, &asked.of_pixel, mind);
     for k in 0..asked.candidates() {
-        judge.score(products, k, &asked.hints(compared, k), mind);
+        judge.score(products, k, &asked.hints(k), mind);
     }
-    let verdict = verdict(asked, mind);
+    let verdict = verdict(products, asked, mind);
     for l in 0..count {
         let x = asked.columns[l];
         (out[x], certainty[x]) = (verdict.disparity[l], certainty::byte(verdict.certainty[l]));

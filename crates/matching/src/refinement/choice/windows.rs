@@ -1,8 +1,8 @@
 //! How a pixel fits a match: what lies around it, in words that are compared at once.
 //!
-//! A pixel's window is one word of census bytes, those of eight pixels around it two columns and rows
-//! apart, and one word of its own census byte and of the grey steps of itself and the four nearest of
-//! the eight. Beyond the ends of an image its pixels are repeated.
+//! A pixel's window is two words: one of census bytes, those of eight pixels around it two columns and rows
+//! apart, and one of its own census byte and of the grey steps of itself and the four nearest of the eight.
+//! Beyond the ends of an image its pixels are repeated.
 
 use super::block::{LANES, Lanes};
 use super::looks::Looks;
@@ -14,7 +14,8 @@ pub(super) const APART: usize = 2;
 pub(super) const STEPS: u32 = 5;
 /// The census bits in a window.
 pub(super) const BITS: u32 = 9 * 8;
-/// The bits of the second word that hold steps.
+/// The bits of the second word that hold the own census byte, and those that hold steps.
+const OWN_BYTE: u64 = 0xff;
 const STEP_BYTES: u64 = 0xffff_ffff_ff00;
 /// A word times this has the sum of its bytes in its highest one.
 const ONES: u64 = 0x0101_0101_0101_0101;
@@ -34,6 +35,7 @@ pub(super) struct Window {
 
 /// The windows of pixels of one row, or of their matches.
 #[derive(Clone, Copy, Default)]
+#[repr(C, align(64))]
 pub(super) struct Several {
     census: [u64; LANES],
     own_and_steps: [[u8; 8]; LANES],
@@ -51,32 +53,35 @@ pub(super) struct Fits {
 impl Several {
     /// The windows at these columns.
     #[inline(always)]
-    pub fn at(windows: &[Window], columns: &[usize; LANES]) -> Self {
-        let mut several = Self::default();
+    pub fn take(&mut self, windows: &[Window], columns: &[usize; LANES]) {
         for l in 0..LANES {
             let window = &windows[columns[l]];
-            several.census[l] = window.census;
-            several.own_and_steps[l] = window.own_and_steps.to_le_bytes();
+            self.census[l] = window.census;
+            self.own_and_steps[l] = window.own_and_steps.to_le_bytes();
         }
-        several
     }
 
+    /// How the first windows fit, so many: a number that the compiler does not know. If it did it would unroll
+    /// the loops first, and take half of the pixels one by one.
     #[inline(always)]
-    pub fn fit(&self, other: &Self) -> Fits {
+    pub fn fit(&self, other: &Self, count: usize) -> Fits {
         let mut fits = Fits { bits: [0.0; LANES], bits_here: [0.0; LANES], steps: [0.0; LANES] };
-        let mut steps = [[0; 8]; LANES];
-        for l in 0..LANES {
-            for i in 0..8 {
-                let step = self.own_and_steps[l][i].abs_diff(other.own_and_steps[l][i]);
-                steps[l][i] = if step < LARGEST_STEP { step } else { LARGEST_STEP };
-            }
+        let mut apart = [[0; 8]; LANES];
+        let ours = self.own_and_steps[..count].as_flattened();
+        let theirs = other.own_and_steps[..count].as_flattened();
+        let steps = apart[..count].as_flattened_mut().iter_mut();
+        for (apart, (one, other)) in steps.zip(ours.iter().zip(theirs)) {
+            let step = one.abs_diff(*other);
+            *apart = if step < LARGEST_STEP { step } else { LARGEST_STEP };
         }
-        for l in 0..LANES {
+        for l in 0..count {
             let around = (self.census[l] ^ other.census[l]).count_ones();
-            let here = (self.own_and_steps[l][0] ^ other.own_and_steps[l][0]).count_ones();
+            let ours = u64::from_le_bytes(self.own_and_steps[l]);
+            let theirs = u64::from_le_bytes(other.own_and_steps[l]);
+            let here = ((ours ^ theirs) & OWN_BYTE).count_ones();
             fits.bits[l] = (around + here) as f32;
             fits.bits_here[l] = here as f32;
-            fits.steps[l] = sum(steps[l]);
+            fits.steps[l] = sum(apart[l]);
         }
         fits
     }
@@ -194,8 +199,8 @@ mod tests {
     use crate::chance::Chance;
 
     at_every_level! {
-        fn fits(base: &Several, other: &Several) -> (Fits, Lanes) {
-            (base.fit(other), base.textures())
+        fn fits(base: &Several, other: &Several, count: usize) -> (Fits, Lanes) {
+            (base.fit(other, count), base.textures())
         }
     }
 
@@ -224,9 +229,14 @@ mod tests {
                         _ => (chance.share() * columns as f32) as usize,
                     })
                 });
-                let [base, other] = [0, 1].map(|i| Several::at(windows[i].get(), &places[i]));
-                let (fits, textures) = fits(level, &base, &other);
-                for l in 0..LANES {
+                let mut several = [Several::default(); 2];
+                for (i, several) in several.iter_mut().enumerate() {
+                    several.take(windows[i].get(), &places[i]);
+                }
+                let [base, other] = several;
+                let count = LANES - y;
+                let (fits, textures) = fits(level, &base, &other, count);
+                for l in 0..count {
                     let [x, there] = places.map(|places| places[l]);
                     let (mut bits, mut here, mut steps, mut texture) = (0, 0, 0, 0);
                     for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {

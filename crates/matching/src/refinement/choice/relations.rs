@@ -1,0 +1,130 @@
+//! How the candidates of pixels lie to each other, in numbers of 16 bits: every one is compared with every
+//! other one, twice, so that is where the time of a choice goes.
+//!
+//! A vector holds two candidates of 16 pixels, in turns pixel by pixel, as sums of products take them.
+
+use super::block::{LANES, Lanes, Sums};
+use super::reach::MOST;
+use crate::kernels::products::Numbers;
+use crate::kernels::rounding::nearest;
+
+/// Parts of a pixel of disparity.
+pub(super) const PARTS: f32 = 64.0;
+/// Candidates that lie farther than so many pixels from what a pixel has are as good as there. Differences of
+/// any two then have 16 bits.
+const FARTHEST: f32 = 255.0;
+/// Candidates within so many parts say the same: a pixel.
+const SAME: i16 = PARTS as i16;
+
+pub(super) const NO_NUMBERS: Numbers = [0; 2 * LANES];
+
+/// Where the candidates lie from what the pixels have, two after the other.
+#[derive(Debug)]
+#[repr(C, align(64))]
+pub(super) struct Relations {
+    pairs: [Numbers; MOST / 2],
+    count: usize,
+}
+
+impl Default for Relations {
+    fn default() -> Self {
+        Self { pairs: [NO_NUMBERS; MOST / 2], count: 0 }
+    }
+}
+
+impl Relations {
+    /// Of candidates with these disparities, an even number of them.
+    #[inline(always)]
+    pub fn find(&mut self, disparities: &[Lanes], here: &Lanes) {
+        let candidates = disparities.as_chunks::<2>().0;
+        for (pair, [one, other]) in self.pairs.iter_mut().zip(candidates) {
+            *pair = in_turns(&relative(one, here), &relative(other, here));
+        }
+        self.count = candidates.len();
+    }
+
+    pub fn pairs(&self) -> &[Numbers] {
+        &self.pairs[..self.count]
+    }
+
+    /// The two candidates of a pair, each in the places of both.
+    #[inline(always)]
+    pub fn of(&self, pair: usize) -> [Numbers; 2] {
+        let pair = &self.pairs[pair];
+        let mut both = [NO_NUMBERS; 2];
+        for i in 0..2 * LANES {
+            both[0][i] = pair[i & !1];
+        }
+        for i in 0..2 * LANES {
+            both[1][i] = pair[i | 1];
+        }
+        both
+    }
+}
+
+#[inline(always)]
+fn relative(disparity: &Lanes, here: &Lanes) -> Sums {
+    let mut relative = [0; LANES];
+    for l in 0..LANES {
+        let away = disparity[l] - here[l];
+        let away = if away < FARTHEST { away } else { FARTHEST };
+        relative[l] = nearest(PARTS * if away > -FARTHEST { away } else { -FARTHEST });
+    }
+    relative
+}
+
+/// Numbers of two candidates, which 16 bits can hold, in turns.
+#[inline(always)]
+pub(super) fn in_turns(one: &Sums, other: &Sums) -> Numbers {
+    let mut numbers = NO_NUMBERS;
+    for (numbers, (&one, &other)) in numbers.as_chunks_mut().0.iter_mut().zip(one.iter().zip(other))
+    {
+        *numbers = [one as i16, other as i16];
+    }
+    numbers
+}
+
+/// How far candidates lie from others, in parts, but at most so far.
+#[inline(always)]
+pub(super) fn apart(one: &Numbers, other: &Numbers, most: i16) -> Numbers {
+    let mut apart = NO_NUMBERS;
+    for i in 0..2 * LANES {
+        let off = one[i].wrapping_sub(other[i]).wrapping_abs();
+        apart[i] = if off < most { off } else { most };
+    }
+    apart
+}
+
+/// 1 where candidates say what others say, else 0.
+#[inline(always)]
+pub(super) fn say_the_same(one: &Numbers, other: &Numbers) -> Numbers {
+    let mut same = NO_NUMBERS;
+    for i in 0..2 * LANES {
+        let off = one[i].wrapping_sub(other[i]).wrapping_abs();
+        same[i] = i16::from(off < SAME);
+    }
+    same
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn candidates_are_compared_in_parts_of_a_pixel() {
+        let mut relations = Relations::default();
+        let disparities = [3.0, 3.5, 3.99, 4.01, 3.0 - 1e6, 1e9].map(|d| [d; LANES]);
+        relations.find(&disparities, &[3.0; LANES]);
+        assert_eq!(relations.pairs().len(), 3);
+        let [first, second] = relations.of(0);
+        let pairs = relations.pairs();
+        assert_eq!([first, second].map(|of| of[..2].to_vec()), [[0, 0], [32, 32]]);
+        assert_eq!(apart(&first, &pairs[0], 192)[6..8], [0, 32]);
+        assert_eq!(apart(&second, &pairs[2], 192)[30..], [192, 192]);
+        assert_eq!(say_the_same(&first, &pairs[1])[..2], [1, 0]);
+        // The farthest ones are not near to each other.
+        let [low, high] = relations.of(2);
+        assert_eq!(apart(&low, &high, i16::MAX), [32_640; 2 * LANES]);
+        assert_eq!(say_the_same(&low, &pairs[2])[..2], [1, 0]);
+    }
+}
