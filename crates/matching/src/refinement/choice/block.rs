@@ -502,8 +502,17 @@ pub(super) fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
 #[cold]
 #[inline(never)]
 fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    let last = row.len() as i64 - 1;
-    std::array::from_fn(|l| row[(start + l as i64).clamp(0, last) as usize])
+    let columns = row.len() as i64;
+    let inside =
+        start.clamp(0, columns) as usize..(start + LANES as i64).clamp(0, columns) as usize;
+    let before = (-start).clamp(0, LANES as i64) as usize;
+    let mut run = [row[if start < 0 { 0 } else { row.len() - 1 }]; LANES];
+    if !inside.is_empty() {
+        // The last one is repeated too where the row is shorter than a run.
+        run[before..].fill(row[row.len() - 1]);
+        run[before..][..inside.len()].copy_from_slice(&row[inside]);
+    }
+    run
 }
 
 /// 1 for columns from `start` on that lie inside a row of so many, 0 for others.

@@ -46,6 +46,12 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
+    /// Whether what stands alone is taken out between two rounds. Where not all pixels are asked, what is thin
+    /// would go with it: three of these pixels are five of the image.
+    pub fn smooths(&self) -> bool {
+        self.every == 1
+    }
+
     /// How many rows that are asked it goes up or down.
     pub fn rows(&self) -> usize {
         self.places.iter().map(|place| place.rows.unsigned_abs() as usize).max().unwrap_or(0)

@@ -12,7 +12,7 @@ use super::reach::Reach;
 use super::sparse::{Sparse, asked};
 use super::strip::Strip;
 use super::{Worker, choose};
-use crate::kernels::level::Level;
+use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 use crate::refinement::median::median_of_map;
 use crate::refinement::row_fill::filled;
@@ -117,7 +117,7 @@ impl Choices {
         done = done + self.rounds(level, rounds, given, sparse.map());
         done = done + sparse.follow(level, given, values, &self.certainty, other);
         std::mem::swap(values, other);
-        done = done + unconfirm(given, 1, other, values, reasons);
+        done = done + unconfirm(level, given, (1, false), other, values, reasons);
         self.sparse = sparse;
         done
     }
@@ -157,7 +157,8 @@ impl Choices {
             }
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
-            done = done + unconfirm(given, reach.every, other, values, reasons);
+            done = done
+                + unconfirm(level, given, (reach.every, reach.smooths()), other, values, reasons);
         }
         done
     }
@@ -192,10 +193,9 @@ impl Choices {
     }
 }
 
-/// Takes out what stands alone between two rounds. Where not all pixels are asked, what is thin would go
-/// with it: three of these pixels are five of the image.
+/// Takes out what stands alone between two rounds.
 fn smooth(level: Level, reach: &Reach, values: &mut Plane<f32>, other: &mut Plane<f32>) -> Work {
-    if reach.every > 1 {
+    if !reach.smooths() {
         return Work::default();
     }
     let done = median_of_map(level, values, other);
@@ -217,11 +217,13 @@ fn keep(every: usize, confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> W
     Work::bytes((size_of::<f32>() + size_of::<u8>()) * certainty.samples().len())
 }
 
-/// Says what the pixels of a map are, every so many-th one of the image, that had the disparities `before`: one that took another is not
-/// confirmed any more.
+/// Says what the pixels of a map are, every so many-th one of the image, that had the disparities `before`:
+/// one that took another is not confirmed any more. Where the map was not smoothed either, those that kept
+/// theirs are what they were.
 fn unconfirm(
+    level: Level,
     given: &Given<'_>,
-    every: usize,
+    (every, smoothed): (usize, bool),
     before: &Plane<f32>,
     now: &Plane<f32>,
     reasons: &mut Plane<Reason>,
@@ -229,24 +231,43 @@ fn unconfirm(
     let (columns, width) = (now.columns(), given.grey[0].columns());
     let rows = reasons.samples_mut().par_chunks_mut(columns).enumerate();
     rows.for_each(|(y, reasons)| {
-        let values = before.row(y).chunks(TOGETHER).zip(now.row(y).chunks(TOGETHER));
-        let blocks = values.zip(reasons.chunks_mut(TOGETHER));
-        for (first, ((before, now), reasons)) in (0..).step_by(TOGETHER).zip(blocks) {
-            let pixels = || before.iter().zip(now).map(|(before, now)| (before - now).abs());
-            let confirmed = |off: f32, reason| (off <= CONFIRMED) & (reason == Reason::Matched);
-            let all = pixels().zip(&*reasons).fold(true, |all, (off, &r)| all & confirmed(off, r));
-            if all {
+        let columns = (width, given.first, every);
+        unconfirm_row(level, columns, smoothed, before.row(y), now.row(y), reasons);
+    });
+    Work::bytes(2 * size_of_val(now.samples()) + 2 * size_of_val(reasons.samples()))
+}
+
+at_every_level! {
+    /// A row, of an image of a width; it begins at a column, and has every so many-th.
+    fn unconfirm_row(
+        image: (usize, usize, usize),
+        smoothed: bool,
+        before: &[f32],
+        now: &[f32],
+        reasons: &mut [Reason],
+    ) {
+        let (width, start, every) = image;
+        for first in (0..reasons.len()).step_by(TOGETHER) {
+            let end = reasons.len().min(first + TOGETHER);
+            let (before, now) = (&before[first..end], &now[first..end]);
+            let reasons = &mut reasons[first..end];
+            let mut same = 0;
+            for ((before, now), reason) in before.iter().zip(now).zip(&*reasons) {
+                let confirmed = (before - now).abs() <= CONFIRMED;
+                same += u32::from(confirmed & (*reason == Reason::Matched) | !smoothed & (before == now));
+            }
+            if same as usize == now.len() {
                 continue;
             }
-            for ((x, (off, now)), reason) in (first..).zip(pixels().zip(now)).zip(reasons) {
+            for (i, reason) in reasons.iter_mut().enumerate() {
                 let hole = match *reason {
-                    Reason::Matched if off <= CONFIRMED => continue,
+                    _ if !smoothed & (before[i] == now[i]) => continue,
+                    Reason::Matched if (before[i] - now[i]).abs() <= CONFIRMED => continue,
                     Reason::Matched | Reason::MismatchedFilled => Reason::MismatchedHole,
                     _ => Reason::OccludedHole,
                 };
-                *reason = filled(width, given.first + every * x, *now, hole);
+                *reason = filled(width, start + every * (first + i), now[i], hole);
             }
         }
-    });
-    Work::bytes(2 * size_of_val(now.samples()) + 2 * size_of_val(reasons.samples()))
+    }
 }
