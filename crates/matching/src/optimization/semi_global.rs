@@ -111,10 +111,9 @@ struct Sweep {
     states: [RowStates; 2],
     along: AlongState,
     transitions: RowTransitions,
-    /// Of a row: its costs, and what the paths add to them.
     costs: Aligned<u8>,
-    row_detours: Aligned<u8>,
-    /// Of a row that is finished.
+    /// Of a row that is finished: the detours of the opposite paths, and the sums.
+    opposite: Aligned<u8>,
     sums: Aligned<u16>,
 }
 
@@ -153,13 +152,13 @@ impl<C: CostRows> Shared<'_, C> {
 impl Sweep {
     /// The memory of a sweep, without the finished row.
     fn bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
-        // Penalties, rises, costs and detours of a row; the states of a pixel are too few to count.
-        2 * RowStates::bytes(columns, lanes) + 8 * columns + 2 * columns * lanes
+        // Penalties, rises and costs of a row; the states of a pixel are too few to count.
+        2 * RowStates::bytes(columns, lanes) + 8 * columns + columns * lanes
     }
 
     /// The memory of a row that is finished.
     fn finished_bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
-        size_of::<u16>() * columns * lanes
+        (size_of::<u8>() + size_of::<u16>()) * columns * lanes
     }
 
     fn reset(&mut self, reverse: bool, columns: usize, count: usize) {
@@ -173,7 +172,6 @@ impl Sweep {
             rise.resize(columns, 0);
         }
         self.costs.resize(columns * count, 0);
-        self.row_detours.resize(columns * count, 0);
     }
 
     /// Goes on to row `y`, and leaves the detours of its paths. If it is the `last` to come there, it
@@ -197,11 +195,13 @@ impl Sweep {
             prior.rises(shared.level, y, reverse, &mut self.transitions.rise);
         }
         shared.costs.fill_row(y, &mut self.costs);
-        // All detours lie far away: memory hands over and takes a row in one go faster than in the order of a
-        // sweep.
-        if last {
-            self.row_detours.copy_from_slice(detours);
-        }
+        let detours = if last {
+            // They lie far away: memory hands over a row in one go faster than in the order of a sweep.
+            self.opposite.copy_from_slice(detours);
+            &mut self.opposite[..]
+        } else {
+            detours
+        };
         let paths = match (reverse, last, prior.is_some()) {
             (false, false, false) => paths_of_row::<false, false, false>,
             (false, false, true) => paths_of_row::<false, false, true>,
@@ -222,12 +222,9 @@ impl Sweep {
             old,
             new,
             &mut self.along,
-            &mut self.row_detours,
+            detours,
             &mut self.sums,
         );
-        if !last {
-            detours.copy_from_slice(&self.row_detours);
-        }
         self.states.swap(0, 1);
     }
 }
@@ -338,6 +335,7 @@ impl SemiGlobal {
             let reverse = i == 1;
             self.sweeps[i].reset(reverse, columns, lanes);
             self.sweeps[i].sums.resize(shared.pitch(), 0);
+            self.sweeps[i].opposite.resize(shared.pitch(), 0);
             let checkpoints = bands.checkpoints(half);
             if checkpoints > 0 {
                 self.again[i].reset(reverse, columns, lanes);
