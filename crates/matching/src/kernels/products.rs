@@ -180,40 +180,49 @@ mod x86 {
                 }
             }
 
-            impl Products for $name {
+            impl $name {
+                const PARTS: usize = size_of::<[i32; LANES]>() / size_of::<$sums>();
+
+                /// Adds to sums the products of two vectors for each part of them.
                 #[inline(always)]
-                fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
-                    const PARTS: usize = size_of::<[i32; LANES]>() / size_of::<$sums>();
+                fn add_parts(
+                    self,
+                    sums: &mut [i32; LANES],
+                    one: [$sums; Self::PARTS],
+                    other: [$sums; Self::PARTS],
+                ) {
                     // SAFETY: whoever made `self` vouched for the instructions, and both sides of a
                     // transmutation are plain numbers of the same size.
                     unsafe {
-                        let mut parts: [$sums; PARTS] = transmute(*sums);
-                        let own: [$sums; PARTS] = transmute(*own);
-                        let $one = $same(transmute::<Pair, i32>(shared));
-                        for (part, $other) in parts.iter_mut().zip(own) {
-                            let $sum = *part;
-                            *part = $add;
-                        }
-                        *sums = transmute::<[$sums; PARTS], [i32; LANES]>(parts);
-                    }
-                }
-
-                #[inline(always)]
-                fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
-                    const PARTS: usize = size_of::<[i32; LANES]>() / size_of::<$sums>();
-                    // SAFETY: as above.
-                    unsafe {
-                        let mut parts: [$sums; PARTS] = transmute(*sums);
-                        let one: [$sums; PARTS] = transmute(*one);
-                        let other: [$sums; PARTS] = transmute(*other);
+                        let mut parts: [$sums; Self::PARTS] = transmute(*sums);
                         for (part, ($one, $other)) in
                             parts.iter_mut().zip(one.into_iter().zip(other))
                         {
                             let $sum = *part;
                             *part = $add;
                         }
-                        *sums = transmute::<[$sums; PARTS], [i32; LANES]>(parts);
+                        *sums = transmute::<[$sums; Self::PARTS], [i32; LANES]>(parts);
                     }
+                }
+            }
+
+            impl Products for $name {
+                #[inline(always)]
+                fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
+                    // SAFETY: as in `add_parts`.
+                    let shared = unsafe { $same(transmute::<Pair, i32>(shared)) };
+                    // SAFETY: the same.
+                    let own = unsafe { transmute::<[i32; LANES], [$sums; Self::PARTS]>(*own) };
+                    self.add_parts(sums, [shared; Self::PARTS], own);
+                }
+
+                #[inline(always)]
+                fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
+                    // SAFETY: as in `add_parts`.
+                    let one = unsafe { transmute::<Numbers, [$sums; Self::PARTS]>(*one) };
+                    // SAFETY: the same.
+                    let other = unsafe { transmute::<Numbers, [$sums; Self::PARTS]>(*other) };
+                    self.add_parts(sums, one, other);
                 }
             }
         };

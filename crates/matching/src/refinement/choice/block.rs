@@ -8,11 +8,11 @@ use raster::{Plane, Reason, View};
 
 use super::certainty;
 use super::reach::{MOST, Place, Reach};
-use super::relations::{NO_NUMBERS, Relations, in_turns, say_the_same};
+use super::relations::{Relations, in_turns, say_the_same};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
 use crate::kernels::level::Level;
-use crate::kernels::products::Products;
+use crate::kernels::products::{Numbers, Products};
 use crate::kernels::rounding::nearest;
 
 /// Pixels that are worked on together.
@@ -113,6 +113,8 @@ pub(super) struct Block {
     notes: [[Note; LANES]; MOST],
     /// How the candidates lie to each other.
     pub relations: Relations,
+    /// How far they are to be heard, two after the other.
+    heard: [[Numbers; VOTES]; MOST / 2],
     votes: [[Sums; VOTES]; MOST],
     /// What makes votes shares.
     scales: [Lanes; VOTES],
@@ -385,12 +387,11 @@ impl Block {
     #[inline(always)]
     fn count_votes(&mut self, products: impl Products) {
         let n = self.places.len();
-        let mut heard = [[NO_NUMBERS; VOTES]; MOST / 2];
         let mut all = [[0; LANES]; VOTES];
-        for (i, heard) in heard[..n / 2].iter_mut().enumerate() {
-            let (one, other) = (self.heard(2 * i), self.heard(2 * i + 1));
+        for i in 0..n / 2 {
+            let (one, other) = (self.weights(2 * i), self.weights(2 * i + 1));
             for vote in 0..VOTES {
-                heard[vote] = in_turns(&one[vote], &other[vote]);
+                self.heard[i][vote] = in_turns(&one[vote], &other[vote]);
                 for l in 0..LANES {
                     all[vote][l] += one[vote][l] + other[vote][l];
                 }
@@ -401,7 +402,7 @@ impl Block {
             let [one, two] = self.relations.of(i);
             let ([mut a, mut b, mut c, mut d], [mut e, mut f, mut g, mut h]) =
                 ([[0; LANES]; VOTES], [[0; LANES]; VOTES]);
-            for (other, heard) in self.relations.pairs().iter().zip(&heard) {
+            for (other, heard) in self.relations.pairs().iter().zip(&self.heard) {
                 let same = [say_the_same(&one, other), say_the_same(&two, other)];
                 products.add_each(&mut a, &same[0], &heard[0]);
                 products.add_each(&mut b, &same[0], &heard[1]);
@@ -423,8 +424,8 @@ impl Block {
 
     /// How far candidate `k` is to be heard by each kind of vote, in parts of [`HEARD`].
     #[inline(always)]
-    fn heard(&self, k: usize) -> [Sums; VOTES] {
-        let mut heard = [[0; LANES]; VOTES];
+    fn weights(&self, k: usize) -> [Sums; VOTES] {
+        let mut weights = [[0; LANES]; VOTES];
         for l in 0..LANES {
             let inside = self.inside[k][l] * HEARD;
             // Of the same shade: 1 to 0 over 16 grey values.
@@ -432,12 +433,12 @@ impl Block {
             let shade = 1.0 - note.shade() * 1.25;
             let shade = if shade < 0.05 { 0.05 } else { shade };
             let edges = note.edges();
-            heard[0][l] = nearest(inside);
-            heard[1][l] = nearest(inside * shade);
-            heard[2][l] = nearest(inside * (note.confidence() + 0.01));
-            heard[3][l] = nearest(inside / (1.0 + edges * edges));
+            weights[0][l] = nearest(inside);
+            weights[1][l] = nearest(inside * shade);
+            weights[2][l] = nearest(inside * (note.confidence() + 0.01));
+            weights[3][l] = nearest(inside / (1.0 + edges * edges));
         }
-        heard
+        weights
     }
 
     /// What is known of candidate `k`.
@@ -502,17 +503,8 @@ pub(super) fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
 #[cold]
 #[inline(never)]
 fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    let columns = row.len() as i64;
-    let inside =
-        start.clamp(0, columns) as usize..(start + LANES as i64).clamp(0, columns) as usize;
-    let before = (-start).clamp(0, LANES as i64) as usize;
-    let mut run = [row[if start < 0 { 0 } else { row.len() - 1 }]; LANES];
-    if !inside.is_empty() {
-        // The last one is repeated too where the row is shorter than a run.
-        run[before..].fill(row[row.len() - 1]);
-        run[before..][..inside.len()].copy_from_slice(&row[inside]);
-    }
-    run
+    let last = row.len() as i64 - 1;
+    std::array::from_fn(|l| row[(start + l as i64).clamp(0, last) as usize])
 }
 
 /// 1 for columns from `start` on that lie inside a row of so many, 0 for others.

@@ -14,7 +14,7 @@
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 
 use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL, Sums};
-use super::reach::{MOST, Reach};
+use super::reach::{GROUP, MOST, Reach};
 use super::relations::{NO_NUMBERS, PARTS, apart, in_turns};
 use crate::kernels::products::{Numbers, Pair, Products, Weighing, packed, sample};
 use crate::kernels::rounding::nearest;
@@ -94,13 +94,14 @@ impl Judge {
     }
 
     /// Operations on bytes for a pixel: products of two bytes each and their sums of four, and each
-    /// candidate compared with each other one: by disparity, with four sums, and by what it costs to be
-    /// wrong.
+    /// candidate compared with each other one, in three operations on two bytes, once for the products that
+    /// are four votes, once for that which says what it costs to be wrong.
     pub fn operations(&self) -> usize {
         let Layers { first, second } = self.layers;
         let candidates = self.places.len();
         let products = first * OF_EACH + second * first + second;
-        candidates * ((2 + 4) * products + 4 * candidates * (3 + 8 + 4))
+        let compared = 2 * (3 * 2) + (4 + 1) * (2 + 4);
+        candidates * ((2 + 4) * products + candidates * compared)
     }
 
     /// From its numbers: of each number of the first layer the places, then the weights of what is
@@ -309,10 +310,10 @@ pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -
         *shares = in_turns(&scaled(one, &scale), &scaled(other, &scale));
     }
     // Some that grow together: what the others say is read once for all of these.
-    for (i, expected) in expected[..n].as_chunks_mut::<4>().0.iter_mut().enumerate() {
+    for (i, expected) in expected[..n].as_chunks_mut::<GROUP>().0.iter_mut().enumerate() {
         let ([one, two], [three, four]) =
             (block.relations.of(2 * i), block.relations.of(2 * i + 1));
-        let [mut a, mut b, mut c, mut d] = [[0; LANES]; 4];
+        let [mut a, mut b, mut c, mut d] = [[0; LANES]; GROUP];
         for (other, shares) in block.relations.pairs().iter().zip(&*shares) {
             products.add_each(&mut a, &apart(&one, other, FAR_IN_PARTS), shares);
             products.add_each(&mut b, &apart(&two, other, FAR_IN_PARTS), shares);
@@ -486,11 +487,10 @@ mod tests {
 
     #[test]
     fn of_many_that_say_nearly_the_same_the_middle_wins_and_one_alone_does_not() {
-        let disparity = |k: usize| if k == 0 { 30.0 } else { 0.01 * k as f32 };
+        let disparity = |k: usize| if k == 0 { 30.0 } else { k as f32 / PARTS };
         let block = Block::of(&WIDE, std::array::from_fn(|k| [disparity(k); LANES]));
         let Verdict { disparity, certainty } = verdict(Plain, &block, &mut Mind::default());
-        // By parts of a pixel.
-        assert!(disparity.iter().all(|d| (d - 0.16).abs() < 1.0 / PARTS), "{disparity:?}");
+        assert_eq!(disparity, [16.0 / PARTS; LANES]);
         // One of 32 is as bad as can be, the others are off by a little.
         let sure = certainty[3];
         assert!(sure > 0.9 && sure < 31.0 / 32.0, "{sure}");

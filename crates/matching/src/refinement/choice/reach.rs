@@ -4,6 +4,8 @@ use super::edges::way;
 
 /// The most candidates that a pixel has.
 pub(crate) const MOST: usize = 32;
+/// So many candidates are compared with the others at once: a pixel has whole groups of them.
+pub(super) const GROUP: usize = 4;
 
 /// A place that a candidate comes from, seen from the pixel, in pixels that are asked.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +61,7 @@ impl Reach {
 }
 
 const fn places<const N: usize>(around: [(i32, i32); N]) -> [Place; N] {
-    assert!(N <= MOST);
+    assert!(N <= MOST && N.is_multiple_of(GROUP));
     let mut places = [Place { columns: 0, rows: 0, way: 0 }; N];
     let mut k = 0;
     while k < N {

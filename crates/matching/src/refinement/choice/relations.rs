@@ -84,12 +84,18 @@ pub(super) fn in_turns(one: &Sums, other: &Sums) -> Numbers {
     numbers
 }
 
+/// How far a candidate lies from another one, in parts.
+#[inline(always)]
+fn off(one: i16, other: i16) -> i16 {
+    one.wrapping_sub(other).wrapping_abs()
+}
+
 /// How far candidates lie from others, in parts, but at most so far.
 #[inline(always)]
 pub(super) fn apart(one: &Numbers, other: &Numbers, most: i16) -> Numbers {
     let mut apart = NO_NUMBERS;
     for i in 0..2 * LANES {
-        let off = one[i].wrapping_sub(other[i]).wrapping_abs();
+        let off = off(one[i], other[i]);
         apart[i] = if off < most { off } else { most };
     }
     apart
@@ -100,8 +106,7 @@ pub(super) fn apart(one: &Numbers, other: &Numbers, most: i16) -> Numbers {
 pub(super) fn say_the_same(one: &Numbers, other: &Numbers) -> Numbers {
     let mut same = NO_NUMBERS;
     for i in 0..2 * LANES {
-        let off = one[i].wrapping_sub(other[i]).wrapping_abs();
-        same[i] = i16::from(off < SAME);
+        same[i] = i16::from(off(one[i], other[i]) < SAME);
     }
     same
 }

@@ -117,7 +117,7 @@ impl Choices {
         done = done + self.rounds(level, rounds, given, sparse.map());
         done = done + sparse.follow(level, given, values, &self.certainty, other);
         std::mem::swap(values, other);
-        done = done + unconfirm(level, given, (1, false), other, values, reasons);
+        done = done + unconfirm(level, given, 1, false, other, values, reasons);
         self.sparse = sparse;
         done
     }
@@ -158,7 +158,7 @@ impl Choices {
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
             done = done
-                + unconfirm(level, given, (reach.every, reach.smooths()), other, values, reasons);
+                + unconfirm(level, given, reach.every, reach.smooths(), other, values, reasons);
         }
         done
     }
@@ -223,7 +223,8 @@ fn keep(every: usize, confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> W
 fn unconfirm(
     level: Level,
     given: &Given<'_>,
-    (every, smoothed): (usize, bool),
+    every: usize,
+    smoothed: bool,
     before: &Plane<f32>,
     now: &Plane<f32>,
     reasons: &mut Plane<Reason>,
@@ -253,8 +254,8 @@ at_every_level! {
             let reasons = &mut reasons[first..end];
             let mut same = 0;
             for ((before, now), reason) in before.iter().zip(now).zip(&*reasons) {
-                let confirmed = (before - now).abs() <= CONFIRMED;
-                same += u32::from(confirmed & (*reason == Reason::Matched) | !smoothed & (before == now));
+                let confirmed = ((before - now).abs() <= CONFIRMED) & (*reason == Reason::Matched);
+                same += u32::from(confirmed | !smoothed & (before == now));
             }
             if same as usize == now.len() {
                 continue;
