@@ -93,6 +93,20 @@ fn a_crash_is_a_status_with_the_last_words() {
 }
 
 #[test]
+fn all_that_was_said_is_there_at_the_end() {
+    let words = r#"read line; head -c 16000 /dev/zero | tr '\0' x >&2; echo end >&2; echo out;"#;
+    let script = format!(r#"{READY} {words} echo '{{"hazcam":"done","job":1}}'; sleep 60"#);
+    for _ in 0..20 {
+        let scratch = tempfile::tempdir().unwrap();
+        let mut session = Session::start(shell(&script), scratch.path(), limits()).unwrap();
+        assert_eq!(session.run(&job(1, scratch.path())).0, Status::Done);
+        let said = session.last_words();
+        assert!(said.contains("end\n") && said.contains("out\n"), "{}", said.len());
+        assert_eq!(said.len(), 16_000 + "end\nout\n".len());
+    }
+}
+
+#[test]
 fn an_engine_that_is_gone_before_the_job_has_crashed() {
     assert!(matches!(first_job("exit 0", limits()), Status::Crashed { .. }));
 }

@@ -12,7 +12,7 @@ use super::exchange::{Answer, Pair};
 use super::limits::Limits;
 use super::process::{self, Exit};
 use super::status::Status;
-use super::talk::{self, Log};
+use super::talk::{self, Log, PATIENCE};
 use super::usage::{Meter, Usage};
 
 /// How often the limits are looked at.
@@ -101,7 +101,7 @@ fn watch(
     };
     let exit = process::kill_group(&mut child);
     for closed in [stdout_closed, stderr_closed].into_iter().flatten() {
-        let _ = closed.recv_timeout(Duration::from_millis(200));
+        let _ = closed.recv_timeout(PATIENCE);
     }
     match (past_limit, exit) {
         (Some(status), _) => Err(status),

@@ -10,13 +10,11 @@ use super::limits::Limits;
 use super::process::{self, Exit};
 use super::protocol::{self, FromEngine, Job, Ready, ToEngine};
 use super::status::Status;
-use super::talk::{self, Heard, Log};
+use super::talk::{self, Heard, Log, PATIENCE};
 use super::usage::{Meter, Usage};
 
 /// How often the limits are looked at while an engine works.
 const POLL: Duration = Duration::from_millis(25);
-/// How long to wait for what comes at once unless something keeps it from coming.
-const PATIENCE: Duration = Duration::from_millis(200);
 /// How long an engine may take to exit once its standard input is closed.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -115,9 +113,21 @@ impl Session {
         &self.scratch
     }
 
-    /// What the engine said besides messages, on both of its streams; the last 16 KiB.
+    /// What the engine said besides messages, on both of its streams; the last 16 KiB. While it
+    /// lives, what it said in the last moment may still be on its way.
     pub fn log(&self) -> String {
         self.log.text()
+    }
+
+    /// Kills what is left, and returns all that the engine said besides messages, its last 16 KiB.
+    pub fn last_words(mut self) -> String {
+        self.kill();
+        // Both streams end with the process, unless a child of it holds them open elsewhere.
+        let deadline = Instant::now() + PATIENCE;
+        let left = || deadline.saturating_duration_since(Instant::now());
+        while !matches!(self.heard.recv_timeout(left()), Ok(Heard::Closed) | Err(_)) {}
+        let _ = self.stderr_closed.recv_timeout(left());
+        self.log()
     }
 
     /// Whether the next job can be sent. After a crash, a timeout or a protocol error it cannot.
@@ -210,7 +220,7 @@ impl Session {
     ) -> Result<FromEngine, Status> {
         let mut last_look = false;
         loop {
-            match self.heard.recv_timeout(POLL) {
+            match self.heard.recv_timeout(if last_look { PATIENCE } else { POLL }) {
                 Ok(Heard::Message(message)) => return Ok(message),
                 Ok(Heard::Broken(why)) => {
                     let message = format!("it sent a message that cannot be understood: {why}");
@@ -219,8 +229,8 @@ impl Session {
                 Ok(Heard::Closed) | Err(RecvTimeoutError::Disconnected) => {
                     return Err(self.crashed(meter));
                 }
-                // The process is gone, but a child of it may hold its standard output open: what
-                // was said before the end has been heard by now.
+                // The process is gone, and what it said before its end has been heard by now; but
+                // a child of it may hold its standard output open.
                 Err(RecvTimeoutError::Timeout) if last_look => return Err(self.crashed(meter)),
                 Err(RecvTimeoutError::Timeout) => {}
             }

@@ -8,11 +8,15 @@ use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
+use std::time::Duration;
 
 use super::protocol::{FromEngine, LINE_LIMIT, Line, parse_line};
 
 /// How much of an engine's own talk is kept, in bytes.
 const LOG_LIMIT: usize = 16 * 1024;
+/// How long to wait for what comes at once unless something keeps it from coming: a busy machine
+/// may let whoever listens to a pipe wait for a while.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Something that came over standard output.
 #[derive(Debug, PartialEq)]

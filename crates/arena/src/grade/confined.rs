@@ -202,8 +202,7 @@ impl Confined {
     /// Runs one job and ends the process, so that nothing changes its answer afterwards.
     pub fn finish(mut self, job: &Job) -> Ended {
         let (status, usage) = self.session.run(job);
-        let (startup, log) = (self.session.startup(), self.session.log());
-        drop(self.session);
+        let (startup, log) = (self.session.startup(), self.session.last_words());
         Ended { status, usage, startup, log, excess: self.watch.stop() }
     }
 }
