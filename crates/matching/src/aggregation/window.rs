@@ -42,7 +42,7 @@ impl SlidingWindow {
         space: &SearchSpace,
         height: usize,
         (first, count): (usize, usize),
-        mut each: impl FnMut(usize, &Winners),
+        mut each: impl FnMut(usize, Winners<'_>, &Layout),
     ) {
         let Self { rows, sums } = self;
         let layout = Layout::new(space);
@@ -64,7 +64,7 @@ impl SlidingWindow {
             let entering = row(below, below < height);
             let leaving = row(y.saturating_sub(RADIUS + 1), y > top + RADIUS);
             match_row(level, sums, &layout, entering, leaving);
-            each(y - first, &sums.winners);
+            each(y - first, sums.winners(), &layout);
         }
     }
 }
@@ -87,8 +87,8 @@ mod tests {
             let mut all = Vec::new();
             for first in (2..=21).step_by(height) {
                 let rows = (first, height.min(22 - first));
-                window.slide(Level::detect(), images, &space, 23, rows, |row, winners| {
-                    all.push((first + row, winners.clone()));
+                window.slide(Level::detect(), images, &space, 23, rows, |row, winners, layout| {
+                    all.push((first + row, winners.columns(layout)));
                 });
             }
             all
@@ -99,6 +99,6 @@ mod tests {
         }
         // Away from the border, where the window finds what the right image was shifted by.
         let (y, row) = &whole[8];
-        assert_eq!((*y, row.index[20], row.least[20]), (10, 5, 0));
+        assert_eq!((*y, row[20][0], row[20][1]), (10, 5, 0));
     }
 }

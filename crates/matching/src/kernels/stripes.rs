@@ -103,8 +103,13 @@ impl Layout {
 
     /// Where a column lies in a row of sums: of each vector the even lanes come first.
     pub fn place(&self, column: usize) -> usize {
-        let lane = column / self.stripe;
-        column % self.stripe * LANES + lane / 2 + lane % 2 * (LANES / 2)
+        column % self.stripe * LANES + Self::lane_of_sums(column / self.stripe)
+    }
+
+    /// Where a lane lies in a vector of sums.
+    #[inline(always)]
+    pub fn lane_of_sums(lane: usize) -> usize {
+        lane / 2 + lane % 2 * (LANES / 2)
     }
 
     /// Where a column of the right image lies in a row of sums, counted from the first that a window's middle

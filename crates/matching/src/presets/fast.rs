@@ -109,11 +109,18 @@ impl Fast {
             .enumerate()
             .for_each(|(i, ((band, disparities), confidence))| {
                 let rows = (bounds.y0 + i * height, disparities.len() / columns);
-                band.window.slide(level, images, space, image_height, rows, |row, winners| {
-                    let disparities = &mut disparities[row * columns..][..columns];
-                    let confidence = &mut confidence[row * width + bounds.x0..][..columns];
-                    confirm_row(level, winners, numbers, disparities, confidence);
-                });
+                band.window.slide(
+                    level,
+                    images,
+                    space,
+                    image_height,
+                    rows,
+                    |row, winners, layout| {
+                        let disparities = &mut disparities[row * columns..][..columns];
+                        let confidence = &mut confidence[row * width + bounds.x0..][..columns];
+                        confirm_row(level, winners, layout, numbers, disparities, confidence);
+                    },
+                );
             });
         let read = images.iter().map(|image| image.bytes(bounds.rows())).sum::<usize>();
         let written = (size_of::<u16>() + size_of::<f32>()) * columns * bounds.rows();

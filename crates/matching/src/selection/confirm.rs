@@ -16,31 +16,60 @@
 use crate::kernels::level::at_every_level;
 use crate::kernels::rounding::nearest;
 use crate::kernels::sad::{OUT, Winners};
+use crate::kernels::stripes::{LANES, Layout};
 use crate::selection::fixed_point::{FixedPoint, HOLE};
 use crate::selection::winner::tip_of_v;
 
 at_every_level! {
-    /// Fills one row of `disparities` and `confidence`.
+    /// Fills one row of `disparities` and `confidence`, a value of each for every answered column.
     pub(crate) fn confirm_row(
-        winners: &Winners,
+        winners: Winners<'_>,
+        layout: &Layout,
         numbers: FixedPoint,
         disparities: &mut [u16],
         confidence: &mut [f32],
     ) {
-        let n = disparities.len();
-        let (index, least) = (&winners.index[..n], &winners.least[..n]);
-        let (before, after) = (&winners.before[..n], &winners.after[..n]);
-        let opposite = &winners.opposite[..n];
-        let confidence = &mut confidence[..n];
-        let scale = f32::from(numbers.scale());
-        for x in 0..n {
-            let found = (least[x] < OUT) & (index[x].abs_diff(opposite[x]) <= 1);
-            let valley = valley(before[x], least[x], after[x]);
-            let steps = (f32::from(index[x]) + valley.fraction) * scale;
-            let steps = nearest(steps) as u16;
-            disparities[x] = if found { steps } else { HOLE };
-            confidence[x] = if found { valley.confidence } else { 0.0 };
+        let n = layout.answered();
+        let (disparities, confidence) = (&mut disparities[..n], &mut confidence[..n]);
+        let (mut steps, mut sure) = ([0; LANES], [0.0; LANES]);
+        for j in 0..layout.stripe().min(n) {
+            let [index, least, before, after] =
+                [winners.index, winners.least, winners.before, winners.after]
+                    .map(|row| row[j * LANES..].first_chunk().expect("a whole vector"));
+            evaluate(index, least, before, after, layout.count(), numbers, &mut steps, &mut sure);
+            for (stripe, x) in (j..n).step_by(layout.stripe()).enumerate() {
+                let lane = Layout::lane_of_sums(stripe);
+                let k = index[lane];
+                let right = winners.right_places[x + layout.shift(usize::from(k))];
+                let apart = k.abs_diff(winners.right_index[right as usize]);
+                // All bits or none, without conditions, of which the compiler would make jumps. A hole has all.
+                let kept = ((i32::from(apart) - 2) >> 31) as u32;
+                disparities[x] = steps[lane] | !kept as u16;
+                confidence[x] = f32::from_bits(sure[lane].to_bits() & kept);
+            }
         }
+    }
+}
+
+/// Disparities and confidence of a vector of winners, if they are confirmed.
+#[inline(always)]
+fn evaluate(
+    index: &[u16; LANES],
+    least: &[u16; LANES],
+    before: &[u16; LANES],
+    after: &[u16; LANES],
+    count: usize,
+    numbers: FixedPoint,
+    steps: &mut [u16; LANES],
+    sure: &mut [f32; LANES],
+) {
+    let (scale, last) = (f32::from(numbers.scale()), (count - 1) as u16);
+    for l in 0..LANES {
+        let after = if index[l] < last { after[l] } else { OUT };
+        let valley = valley(before[l], least[l], after);
+        let nearest = nearest((f32::from(index[l]) + valley.fraction) * scale) as u16;
+        steps[l] = if least[l] < OUT { nearest } else { HOLE };
+        sure[l] = if least[l] < OUT { valley.confidence } else { 0.0 };
     }
 }
 
@@ -69,16 +98,32 @@ mod tests {
     use crate::kernels::level::Level;
     use raster::{BoundingBox, DisparityRange};
 
-    /// Winners of columns, five disparities from -1 upwards, with the fields' order:
-    /// index, least, before, after, index of the right pixel's winner.
-    fn winners(columns: &[[u16; 5]]) -> Winners {
-        let field = |i: usize| columns.iter().map(|c| c[i]).collect();
-        Winners {
-            index: field(0),
-            least: field(1),
-            before: field(2),
-            after: field(3),
-            opposite: field(4),
+    /// Winners in stripes.
+    struct Striped {
+        rows: [Vec<u16>; 4],
+        right_index: Vec<u16>,
+        right_places: Vec<u32>,
+    }
+
+    impl Striped {
+        /// All columns with the same winner: its index, least sum and those before and after it, and the
+        /// index of the right pixel's winner.
+        fn all([row @ .., opposite]: [u16; 5], layout: &Layout) -> Self {
+            let rights = layout.answered() + layout.count() - 1;
+            let right_places: Vec<_> = (0..rights).map(|x| layout.right_place(x) as u32).collect();
+            let rows = row.map(|value| vec![value; layout.left()]);
+            let mut right_index = vec![9; layout.right()];
+            for x in 0..layout.answered() {
+                let right = right_places[x + layout.shift(usize::from(row[0]))];
+                right_index[right as usize] = opposite;
+            }
+            Self { rows, right_index, right_places }
+        }
+
+        fn winners(&self) -> Winners<'_> {
+            let [index, least, before, after] = self.rows.each_ref().map(|row| &row[..]);
+            let (right_index, right_places) = (&self.right_index, &self.right_places);
+            Winners { index, least, before, after, right_index, right_places }
         }
     }
 
@@ -93,8 +138,9 @@ mod tests {
             // Its better match is a neighbour's: within the tolerance.
             ([2, 4, 6, 8, 3], (1.75 - 1.0, 0.5)),
             ([2, 4, 6, 8, 1], (1.75 - 1.0, 0.5)),
-            // The end of the range: no fraction, nothing to be sure of.
+            // The ends of the range: no fraction, nothing to be sure of.
             ([0, 4, OUT, 6, 0], (-1.0, 0.0)),
+            ([4, 4, 6, 5, 4], (3.0, 0.0)),
             // Nothing was tried.
             ([0, OUT, OUT, OUT, 0], (f32::NAN, 0.0)),
             // A flat valley.
@@ -104,14 +150,16 @@ mod tests {
         for level in Level::available() {
             eprintln!("level {}", level.name());
             for (case, (disparity, sure)) in cases {
-                // One column, and forty alike: the vector's body and its rest.
-                for n in [1, 40] {
+                // One column, forty alike, and stripes of two, the last of one or empty.
+                for n in [1, 40, 113, 115] {
                     let space =
                         SearchSpace::new(200, BoundingBox::new(50, 0, 49 + n, 0).unwrap(), range);
                     let numbers = FixedPoint::new(&space);
-                    let winners = winners(&vec![case; n]);
+                    let layout = Layout::new(&space);
+                    let striped = Striped::all(case, &layout);
                     let (mut found, mut confidence) = (vec![7; n], vec![7.0; n]);
-                    confirm_row(level, &winners, numbers, &mut found, &mut confidence);
+                    let winners = striped.winners();
+                    confirm_row(level, winners, &layout, numbers, &mut found, &mut confidence);
                     for (&found, &confidence) in found.iter().zip(&confidence) {
                         let found = numbers.pixels(found);
                         assert!(found == disparity || found.is_nan() && disparity.is_nan());

@@ -15,27 +15,38 @@ pub(super) const BEFORE: usize = TOGETHER * LANES;
 /// and one less after the last.
 const MARGINS: usize = 2 * TOGETHER - 1;
 
-/// What won in one row, per answered column of the left image.
-#[derive(Debug, Default, Clone, PartialEq, Eq)]
-pub(crate) struct Winners {
-    /// Index of the disparity with the least sum, the smallest of several.
-    pub index: Vec<u16>,
+/// What won in one row, in stripes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Winners<'a> {
+    /// Of the left view the index of the disparity with the least sum, the smallest of several.
+    pub index: &'a [u16],
     /// That least sum; [`OUT`] or more where nothing could be tried.
-    pub least: Vec<u16>,
-    /// The sums of the disparities before and after the winner, [`OUT`] or more at the range's ends.
-    pub before: Vec<u16>,
-    pub after: Vec<u16>,
-    /// The index that wins at the right pixel that the winner points at.
-    pub opposite: Vec<u16>,
+    pub least: &'a [u16],
+    /// The sum of the disparity before the winner, [`OUT`] or more where there is none.
+    pub before: &'a [u16],
+    /// The sum of the disparity after the winner; anything where the winner is the last.
+    pub after: &'a [u16],
+    /// The index that wins at each place of the right view.
+    pub right_index: &'a [u16],
+    /// The places of all right columns that are matched: that of left column `x` at index `k` is
+    /// number `x + count - 1 - k`.
+    pub right_places: &'a [u32],
 }
 
-impl Winners {
-    fn reset(&mut self, columns: usize) {
-        let Self { index, least, before, after, opposite } = self;
-        for buffer in [index, least, before, after, opposite] {
-            buffer.clear();
-            buffer.resize(columns, 0);
-        }
+#[cfg(test)]
+impl Winners<'_> {
+    /// Of every answered column the index of the winner, its sum, those before and after it, and the index
+    /// that wins at the right pixel that the winner points at.
+    pub fn columns(&self, layout: &Layout) -> Vec<[u16; 5]> {
+        let column = |x: usize| {
+            let place = layout.place(x);
+            let k = self.index[place];
+            let apart = layout.shift(usize::from(k));
+            let after = if apart == 0 { OUT } else { self.after[place] };
+            let opposite = self.right_index[self.right_places[x + apart] as usize];
+            [k, self.least[place], self.before[place], after, opposite]
+        };
+        (0..layout.answered()).map(column).collect()
     }
 }
 
@@ -72,16 +83,27 @@ pub(crate) struct Sad {
     pub(super) beyond_flips: Aligned<u16>,
     /// Of what layout these tables are.
     prepared_for: Option<Layout>,
-    pub winners: Winners,
 }
 
 impl Sad {
+    /// What won in the row that was matched last.
+    pub fn winners(&self) -> Winners<'_> {
+        Winners {
+            index: &self.index,
+            least: &self.least,
+            before: &self.before,
+            after: &self.after,
+            right_index: &self.right_index,
+            right_places: &self.right_places,
+        }
+    }
+
     /// The memory for a search space.
     pub fn bytes(layout: &Layout) -> usize {
         let (left, right) = (layout.left(), layout.right());
         let sums = BEFORE + layout.count() * left + LANES + left;
         let costs = TOGETHER * (left + MARGINS * LANES);
-        let rows = 7 * left + 4 * right + 2 * LANES + 5 * layout.answered();
+        let rows = 7 * left + 4 * right + 2 * LANES;
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
         sums + size_of::<u16>() * (costs + rows) + tables + 14 * LINE
     }
@@ -99,7 +121,6 @@ impl Sad {
         for row in [&mut self.right_least, &mut self.right_index] {
             row.refill(right, 0);
         }
-        self.winners.reset(layout.answered());
         // The rest is the same for every band and frame of a size.
         if self.prepared_for.replace(*layout) == Some(*layout) {
             return;

@@ -78,12 +78,9 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        // Single disparities at the end of a row before wrote over the margins of the costs.
-        for row in [&mut sad.least, &mut sad.last, &mut sad.right_least, &mut sad.costs] {
+        // Indices stay: where a sum is the least so far, its own is written.
+        for row in [&mut sad.least, &mut sad.last, &mut sad.right_least] {
             row.fill(OUT);
-        }
-        for row in [&mut sad.index, &mut sad.right_index] {
-            row.fill(0);
         }
         let whole = layout.count() / TOGETHER * TOGETHER;
         for k in (0..whole).step_by(TOGETHER) {
@@ -92,8 +89,11 @@ at_every_level! {
         for k in whole..layout.count() {
             match_some::<1>(sad, layout, k, entering, leaving);
         }
+        if whole < layout.count() {
+            // Single disparities wrote over the margins of those that are compared together.
+            sad.costs.fill(OUT);
+        }
         gather_right(sad, layout);
-        gather_winners(sad, layout);
     }
 }
 
@@ -125,10 +125,14 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
     &mut samples[at..].as_chunks_mut().0[..count]
 }
 
-/// So many times `N` vectors from a place on.
+/// So many times `N` vectors of pairs from a place on.
 #[inline(always)]
-fn side_by_side<T, const N: usize>(samples: &[T], at: usize, count: usize) -> &[[[T; LANES]; N]] {
-    &samples[at..].as_chunks().0.as_chunks().0[..count]
+fn pairs_side_by_side<const N: usize>(
+    samples: &[u8],
+    at: usize,
+    count: usize,
+) -> &[[[[u8; 2]; LANES / 2]; N]] {
+    &samples[at..].as_chunks().0.as_chunks().0.as_chunks().0[..count]
 }
 
 /// Where the vectors of `N` disparities stand side by side of which one alone would begin at a byte.
@@ -219,8 +223,9 @@ fn match_some<const N: usize>(
     let right = layout.shift(k + N - 1);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
-        let enter: &[[_; N]] = side_by_side(columns, place_of_all::<N>(LANES + enters), count);
-        let leave: &[[_; N]] = side_by_side(columns, place_of_all::<N>(first * LANES), count);
+        let enter: &[[_; N]] =
+            pairs_side_by_side(columns, place_of_all::<N>(LANES + enters), count);
+        let leave: &[[_; N]] = pairs_side_by_side(columns, place_of_all::<N>(first * LANES), count);
         let outside = groups(&sad.outside_flips, (right + first) * LANES, count + N - 1);
         let beyond = groups(&sad.beyond_flips, first * LANES, count);
         let least = groups_mut(&mut sad.least, first * LANES, count);
@@ -231,12 +236,12 @@ fn match_some<const N: usize>(
         let costs = &mut costs[N - 1 + first..][..count + 1];
         for j in 0..count {
             let [from, to] = costs[j..].first_chunk_mut().expect("one before each");
-            for n in 0..N {
-                let (enter, leave) = (pairs(&enter[j][n]), pairs(&leave[j][n]));
-                let outside = &outside[j + N - 1 - n];
-                slide_along(&from[n], enter, leave, &beyond[j], outside, &mut to[n]);
-            }
-            compare_left(
+            slide_along(
+                from,
+                &enter[j],
+                &leave[j],
+                &beyond[j],
+                outside[j..].first_chunk().expect("one more than disparities"),
                 to,
                 &mut least[j],
                 &mut index[j],
@@ -251,13 +256,8 @@ fn match_some<const N: usize>(
     let (right, count) = (right * LANES, layout.stripe() + N - 1);
     let least = groups_mut(&mut sad.right_least, right, count);
     let index = groups_mut(&mut sad.right_index, right, count);
-    for j in 0..count {
-        compare_right(
-            costs[j + 1..].first_chunk().expect("a margin"),
-            &mut least[j],
-            &mut index[j],
-            k,
-        );
+    for ((costs, least), index) in costs[1..].array_windows().zip(least).zip(index) {
+        compare_right(costs, least, index, k);
     }
 }
 
@@ -284,32 +284,17 @@ fn first_sums<const N: usize>(
     sums
 }
 
-/// `C` of the windows one column further on: what enters is added, what leaves taken away. Where it begins or
-/// ends that a disparity cannot be tried, its mark flips.
+/// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away.
+/// Where it begins or ends that a disparity cannot be tried, its mark flips. The sums are compared with the
+/// least ones so far of the left view; `last` are those of the index before.
 #[inline(always)]
-fn slide_along(
-    before: &[u16; LANES],
-    enter: &[[u8; 2]; LANES / 2],
-    leave: &[[u8; 2]; LANES / 2],
+fn slide_along<const N: usize>(
+    from: &[[u16; LANES]; N],
+    enter: &[[[u8; 2]; LANES / 2]; N],
+    leave: &[[[u8; 2]; LANES / 2]; N],
     beyond: &[u16; LANES],
-    outside: &[u16; LANES],
-    sums: &mut [u16; LANES],
-) {
-    let half = LANES / 2;
-    for i in 0..half {
-        let (gain, loss) = (halves(enter[i]), halves(leave[i]));
-        let even = before[i].wrapping_add(gain[0]).wrapping_sub(loss[0]);
-        let odd = before[half + i].wrapping_add(gain[1]).wrapping_sub(loss[1]);
-        sums[i] = even ^ beyond[i] ^ outside[i];
-        sums[half + i] = odd ^ beyond[half + i] ^ outside[half + i];
-    }
-}
-
-/// Compares the sums of indices `k ..` with the least ones so far of the left view; `last` are those of the
-/// index before.
-#[inline(always)]
-fn compare_left<const N: usize>(
-    sums: &[[u16; LANES]; N],
+    outside: &[[u16; LANES]; N],
+    to: &mut [[u16; LANES]; N],
     least: &mut [u16; LANES],
     index: &mut [u16; LANES],
     before: &mut [u16; LANES],
@@ -317,22 +302,30 @@ fn compare_left<const N: usize>(
     last: &mut [u16; LANES],
     k: usize,
 ) {
-    for l in 0..LANES {
-        let mut cost_before = last[l];
-        let (mut lowest, mut place) = (least[l], index[l]);
-        let (mut below, mut above) = (before[l], after[l]);
-        let mut is_before = place == (k as u16).wrapping_sub(1);
-        for n in 0..N {
-            let cost = sums[n][l];
-            let is_less = (cost as i16) < lowest as i16;
-            above = if is_before { cost } else { above };
-            below = if is_less { cost_before } else { below };
-            place = if is_less { (k + n) as u16 } else { place };
-            lowest = (lowest as i16).min(cost as i16) as u16;
-            (cost_before, is_before) = (cost, is_less);
+    let half = LANES / 2;
+    for i in 0..half {
+        for odd in 0..2 {
+            let l = odd * half + i;
+            let mut cost_before = last[l];
+            let (mut lowest, mut place) = (least[l], index[l]);
+            let (mut below, mut above) = (before[l], after[l]);
+            let mut is_before = place == (k as u16).wrapping_sub(1);
+            for n in 0..N {
+                let (gain, loss) = (halves(enter[n][i])[odd], halves(leave[n][i])[odd]);
+                let cost = from[n][l].wrapping_add(gain).wrapping_sub(loss);
+                // What the last index is compared with comes first.
+                let cost = cost ^ beyond[l] ^ outside[N - 1 - n][l];
+                to[n][l] = cost;
+                let is_less = (cost as i16) < lowest as i16;
+                above = if is_before { cost } else { above };
+                below = if is_less { cost_before } else { below };
+                place = if is_less { (k + n) as u16 } else { place };
+                lowest = (lowest as i16).min(cost as i16) as u16;
+                (cost_before, is_before) = (cost, is_less);
+            }
+            (least[l], index[l], last[l]) = (lowest, place, cost_before);
+            (before[l], after[l]) = (below, above);
         }
-        (least[l], index[l], last[l]) = (lowest, place, cost_before);
-        (before[l], after[l]) = (below, above);
     }
 }
 
@@ -386,34 +379,6 @@ fn gather_right(sad: &mut Sad, layout: &Layout) {
     }
 }
 
-/// The winners of the answered columns, in the order of these.
-#[inline(always)]
-fn gather_winners(sad: &mut Sad, layout: &Layout) {
-    let Sad { least, index, before, after, right_index, right_places, winners, .. } = sad;
-    let shift = layout.shift(0);
-    for x in (0..layout.answered()).step_by(layout.stripe()) {
-        // Of the first vector, and of all others.
-        let lane = layout.place(x);
-        let count = layout.stripe().min(layout.answered() - x);
-        let right_places = &right_places[x..][..count + shift];
-        let (least, index) = (groups(least, 0, count), groups(index, 0, count));
-        let (before, after) = (groups(before, 0, count), groups(after, 0, count));
-        let winners_index = &mut winners.index[x..][..count];
-        let winners_least = &mut winners.least[x..][..count];
-        let winners_before = &mut winners.before[x..][..count];
-        let winners_after = &mut winners.after[x..][..count];
-        let opposite = &mut winners.opposite[x..][..count];
-        for j in 0..count {
-            let k = usize::from(index[j][lane]);
-            winners_index[j] = k as u16;
-            winners_least[j] = least[j][lane];
-            winners_before[j] = before[j][lane];
-            winners_after[j] = if k < shift { after[j][lane] } else { OUT };
-            opposite[j] = right_index[right_places[j + shift - k] as usize];
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -422,13 +387,13 @@ mod tests {
     use crate::kernels::level::Level;
     use raster::{BoundingBox, DisparityRange, Plane};
 
-    /// The definition: every window summed anew, every candidate looked at.
+    /// The definition of [`Winners::columns`]: every window summed anew, every candidate looked at.
     fn winners_by_definition(
         space: &SearchSpace,
         left: &Plane<u8>,
         right: &Plane<u8>,
         y: usize,
-    ) -> Winners {
+    ) -> Vec<[u16; 5]> {
         let (width, height) = left.size();
         let cost = |x: usize, k: usize| -> u16 {
             let mut sum = 0;
@@ -448,18 +413,14 @@ mod tests {
                 && (0..width as i64).contains(&(x - i64::from(space.min) - k))
         };
         let cost = |x: i64, k: i64| if inside(x, k) { cost(x as usize, k as usize) } else { OUT };
-        let mut winners = Winners::default();
-        for x in space.first as i64..=space.last as i64 {
+        let columns = (space.first as i64..=space.last as i64).map(|x| {
             let k = (0..space.count as i64).min_by_key(|&k| cost(x, k)).unwrap();
-            winners.index.push(k as u16);
-            winners.least.push(cost(x, k));
-            winners.before.push(cost(x, k - 1));
-            winners.after.push(cost(x, k + 1));
             // The same right column is as many left columns further on as disparities.
             let opposite = (0..space.count as i64).min_by_key(|&other| cost(x + other - k, other));
-            winners.opposite.push(opposite.unwrap() as u16);
-        }
-        winners
+            let sums = [cost(x, k), cost(x, k - 1), cost(x, k + 1)];
+            [k as u16, sums[0], sums[1], sums[2], opposite.unwrap() as u16]
+        });
+        columns.collect()
     }
 
     /// Winners of every row, by the kernel.
@@ -468,7 +429,7 @@ mod tests {
         space: &SearchSpace,
         left: &Plane<u8>,
         right: &Plane<u8>,
-    ) -> Vec<Winners> {
+    ) -> Vec<Vec<[u16; 5]>> {
         let height = left.rows();
         let layout = Layout::new(space);
         let first = space.first as i64 - RADIUS as i64;
@@ -500,7 +461,7 @@ mod tests {
         for y in 0..height {
             let (entering, leaving) = (rows(y + RADIUS), rows(y.wrapping_sub(RADIUS + 1)));
             match_row(level, &mut sad, &layout, pair(&entering), pair(&leaving));
-            all.push(sad.winners.clone());
+            all.push(sad.winners().columns(&layout));
         }
         all
     }
@@ -546,22 +507,20 @@ mod tests {
                 let found = winners_by_kernel(level, &space, &left, &right);
                 for (y, found) in found.into_iter().enumerate() {
                     let expected = winners_by_definition(&space, &left, &right, y);
-                    let tried: Vec<bool> = expected.least.iter().map(|&v| v < OUT).collect();
-                    // Above OUT, values only say that nothing was tried.
-                    let only = |v: &[u16]| -> Vec<u16> { v.iter().map(|&v| v.min(OUT)).collect() };
-                    let at_winners = |v: &[u16]| -> Vec<u16> {
-                        only(v).into_iter().zip(&tried).filter(|t| *t.1).map(|t| t.0).collect()
-                    };
-                    let what = format!("{width} x {height}, {x0}..{x1}, {min}..{max}, row {y}");
-                    assert_eq!(only(&found.least), only(&expected.least), "least, {what}");
-                    for (name, of) in [
-                        ("index", (|w| &w.index) as fn(&Winners) -> &Vec<u16>),
-                        ("before", |w| &w.before),
-                        ("after", |w| &w.after),
-                        ("opposite", |w| &w.opposite),
-                    ] {
-                        let [found, expected] = [&found, &expected].map(|w| at_winners(of(w)));
-                        assert_eq!(found, expected, "{name}, {what}");
+                    assert_eq!(found.len(), expected.len());
+                    for (x, (found, expected)) in (x0..).zip(found.iter().zip(&expected)) {
+                        let what = format!("{width} x {height}, {min}..{max}, {x} {y}");
+                        // Sums from OUT on only say that nothing was tried; where none was, no more counts.
+                        let [sums, of] =
+                            [found, expected].map(|v| [v[1], v[2], v[3]].map(|v| v.min(OUT)));
+                        assert_eq!(sums[0], of[0], "the least sum, {what}");
+                        if of[0] < OUT {
+                            assert_eq!(
+                                (found[0], sums, found[4]),
+                                (expected[0], of, expected[4]),
+                                "{what}"
+                            );
+                        }
                     }
                 }
             }
