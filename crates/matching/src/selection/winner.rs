@@ -11,13 +11,20 @@ use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::LANES;
 
-/// Operations on bytes per pixel and disparity: a key and two minima of 32 bits, then a comparison and
-/// a minimum of 16.
-pub(crate) const OPERATIONS: usize = 3 * 4 + 2 * 2;
+/// Operations on bytes per pixel and disparity, all on numbers of 16 bits: a shift, two marks, three minima and
+/// a maximum.
+pub(crate) const OPERATIONS: usize = 2 * 7;
+
+/// So many things a sum can be marked with: groups of a column, or columns of a block. Both together have 16
+/// bits, as long as sums are below 2048: eight costs below 128 and what eight paths add, 510 at most.
+const TAGS: usize = 32;
+/// So many disparities are marked together.
+const PART: usize = TAGS * LANES;
+const _: () = assert!(LANES == 32, "five steps make one of as many");
 
 /// A sum and its disparity in one number, the sum above: of two keys the smaller one wins. The
 /// largest stands for "no disparity could be tried".
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Key(u32);
 
 impl Key {
@@ -26,10 +33,6 @@ impl Key {
     /// The disparity, counted from the smallest.
     pub fn disparity(self) -> Option<usize> {
         (self != Self::NONE).then_some((self.0 & 0xFFFF) as usize)
-    }
-
-    fn sum(self) -> u16 {
-        (self.0 >> 16) as u16
     }
 }
 
@@ -41,6 +44,23 @@ pub(crate) struct Winners {
     pub left: Vec<(Key, u16)>,
     /// Keys of the right view, as it looks in a mirror, between two margins.
     right: Vec<Key>,
+    block: Block,
+}
+
+/// What a block of columns finds.
+#[derive(Debug, Default)]
+struct Block {
+    /// Of the right pixels that it meets, the least sum marked with the column.
+    right: Vec<u16>,
+    /// Of each part of the disparities, as many as sums can be marked with groups.
+    parts: Vec<Part>,
+}
+
+/// The two least sums of every lane of every column of a block, marked with their groups.
+#[derive(Debug, Clone)]
+struct Part {
+    least: [[u16; LANES]; TAGS],
+    next: [[u16; LANES]; TAGS],
 }
 
 impl Winners {
@@ -49,77 +69,207 @@ impl Winners {
         self.left.clear();
         self.left.resize(space.columns(), (Key::NONE, 0));
         self.right.clear();
-        self.right.resize(space.width + 2 * space.lanes, Key::NONE);
-        select_row(level, space, sums, &mut self.left, &mut self.right);
+        self.right.resize(space.width + 2 * (space.lanes + TAGS), Key::NONE);
+        self.block.right.resize(space.lanes + TAGS, NO_SUM);
+        self.block.parts.resize(space.lanes.div_ceil(PART), Part::EMPTY);
+        select_row(level, space, sums, &mut self.left, &mut self.right, &mut self.block);
     }
 
     /// The winners of the right view, which stands in a mirror.
     pub fn right(&self, space: &SearchSpace) -> &[Key] {
-        &self.right[space.lanes..][..space.width]
+        &self.right[space.lanes + TAGS..][..space.width]
     }
 }
 
-/// The winner of a column with its margin, from its sums; the right view's keys meet these. Without
-/// `ALL` only `candidates` are tried.
-#[inline(always)]
-fn select_column<const ALL: bool>(
-    candidates: Range<usize>,
-    sums: &[u16],
-    right: &mut [Key],
-) -> (Key, u16) {
-    let (start, count) = (candidates.start as u32, candidates.len() as u32);
-    let mut lowest = [u32::MAX; LANES];
-    let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
-    for (group, (sums, right)) in groups.enumerate() {
-        for i in 0..LANES {
-            let k = (group * LANES + i) as u32;
-            let key = u32::from(sums[i]) << 16 | k;
-            let key = if ALL || k.wrapping_sub(start) < count { key } else { u32::MAX };
-            lowest[i] = lowest[i].min(key);
-            right[i] = Key(right[i].0.min(key));
-        }
-    }
-    // There are whole groups. The compiler does not know it, and so makes vectors of this loop; one over all
-    // lanes it would unroll first, and compare them one by one.
-    let lanes = LANES.min(sums.len());
-    let winner = Key(lowest[..lanes].iter().copied().fold(u32::MAX, u32::min));
-    let neighbour = (winner.0 as u16).wrapping_sub(1);
-    let mut others = [u16::MAX; LANES];
-    for (group, sums) in sums.as_chunks::<LANES>().0.iter().enumerate() {
-        for i in 0..LANES {
-            let k = (group * LANES + i) as u16;
-            let other = k.wrapping_sub(neighbour) > 2;
-            let tried = ALL || k.wrapping_sub(start as u16) < count as u16;
-            let sum = if other & tried { sums[i] } else { u16::MAX };
-            others[i] = others[i].min(sum);
-        }
-    }
-    let margin = match others.into_iter().fold(u16::MAX, u16::min) {
-        u16::MAX => 0,
-        second => second - winner.sum(),
-    };
-    (winner, margin)
+/// Stands for "no disparity could be tried" among marked sums.
+const NO_SUM: u16 = u16::MAX;
+
+impl Part {
+    const EMPTY: Self = Self { least: [[NO_SUM; LANES]; TAGS], next: [[NO_SUM; LANES]; TAGS] };
 }
 
 at_every_level! {
     /// One pass over the sums of each column serves both views: in the mirror the right columns that
-    /// a left one can match stand in the order of their disparities, so that whole vectors of keys
-    /// meet the least so far.
-    fn select_row(space: &SearchSpace, sums: &[u16], left: &mut [(Key, u16)], right: &mut [Key]) {
-        for (x, sums) in sums.chunks_exact(space.lanes).enumerate() {
-            let candidates = space.candidates(space.first + x);
-            if candidates.is_empty() {
-                continue;
+    /// a left one can match stand in the order of their disparities, so that whole vectors of sums
+    /// meet the least so far. Columns do so in blocks, with as many as a sum can be marked with; of a block
+    /// each step is taken for all columns, which do not wait for each other.
+    fn select_row(
+        space: &SearchSpace,
+        sums: &[u16],
+        left: &mut [(Key, u16)],
+        right: &mut [Key],
+        block: &mut Block,
+    ) {
+        let blocks = sums.chunks(TAGS * space.lanes).zip(left.chunks_mut(TAGS));
+        for (number, (sums, left)) in blocks.enumerate() {
+            let first = space.first + number * TAGS;
+            let columns = sums.len() / space.lanes;
+            // Where two columns try all disparities, those between do.
+            let ends = [first, first + columns - 1].map(|x| space.candidates(x).len());
+            let all = ends == [space.lanes; 2];
+            block.right.fill(NO_SUM);
+            for (part, start) in block.parts.iter_mut().zip((0..).step_by(PART)) {
+                let count = PART.min(space.lanes - start);
+                for (i, sums) in sums.chunks_exact(space.lanes).enumerate() {
+                    // In the mirror a column further on lies one before.
+                    let right = &mut block.right[TAGS - i + start..][..count];
+                    let (sums, tried) = (&sums[start..][..count], space.candidates(first + i));
+                    (part.least[i], part.next[i]) = if all {
+                        meet_column::<true>(0..count, sums, i as u16, right)
+                    } else {
+                        let tried = [tried.start, tried.end].map(|k| k.saturating_sub(start));
+                        meet_column::<false>(tried[0]..tried[1], sums, i as u16, right)
+                    };
+                }
             }
-            // Where disparity 0 of this column stands among the right keys.
-            let place = (space.mirrored(space.first + x) + space.lanes as i64) as usize;
-            let right = &mut right[place..place + space.lanes];
-            left[x] = if candidates.len() == space.lanes {
-                select_column::<true>(candidates, sums, right)
-            } else {
-                select_column::<false>(candidates, sums, right)
-            };
+            if (first..).take(columns).any(|x| !space.candidates(x).is_empty()) {
+                select_block(&block.parts, left);
+                // Where disparity 0 of the block's first column stands, and so many before.
+                let place = space.mirrored(first) + space.lanes as i64;
+                meet_block(&block.right, &mut right[place as usize..][..block.right.len()]);
+            }
         }
+    }
+}
+
+/// The two least of the sums of a column that are `tried`, in every lane, marked with their groups. Those of the
+/// right pixels that the column matches meet them, marked with the column. With `ALL` all are tried.
+#[inline(always)]
+fn meet_column<const ALL: bool>(
+    tried: Range<usize>,
+    sums: &[u16],
+    column: u16,
+    right: &mut [u16],
+) -> ([u16; LANES], [u16; LANES]) {
+    let [mut least, mut next] = [[NO_SUM; LANES]; 2];
+    let groups = sums.as_chunks::<LANES>().0.iter().zip(right.as_chunks_mut::<LANES>().0);
+    for (group, (sums, right)) in groups.enumerate() {
+        let (first, marks) = (group * LANES, [group as u16, column]);
+        if ALL || tried.start <= first && first + LANES <= tried.end {
+            meet_group::<true>(0..0, sums, marks, &mut least, &mut next, right);
+        } else {
+            let lanes = tried.start.saturating_sub(first)..tried.end.saturating_sub(first);
+            meet_group::<false>(lanes, sums, marks, &mut least, &mut next, right);
+        }
+    }
+    (least, next)
+}
+
+/// The same of a group. Without `ALL` only some `lanes` are tried.
+#[inline(always)]
+fn meet_group<const ALL: bool>(
+    lanes: Range<usize>,
+    sums: &[u16; LANES],
+    [group, column]: [u16; 2],
+    least: &mut [u16; LANES],
+    next: &mut [u16; LANES],
+    right: &mut [u16; LANES],
+) {
+    let (start, count) = (lanes.start as u16, lanes.len() as u16);
+    for i in 0..LANES {
+        let is_tried = ALL || (i as u16).wrapping_sub(start) < count;
+        // What is not tried may be larger than what can be marked.
+        let sum = sums[i].wrapping_mul(TAGS as u16);
+        let [here, there] = [group, column].map(|mark| if is_tried { sum | mark } else { NO_SUM });
+        next[i] = next[i].min(least[i].max(here));
+        least[i] = least[i].min(here);
+        right[i] = right[i].min(there);
+    }
+}
+
+/// The winners of a block and their margins.
+#[inline(always)]
+fn select_block(parts: &[Part], left: &mut [(Key, u16)]) {
+    let mut winners = [Key::NONE.0; TAGS];
+    for (part, first) in parts.iter().zip((0..).step_by(PART)) {
+        let (least, lanes) = least_with_lane(&part.least);
+        for i in 0..TAGS {
+            let [sum, group] = [least[i] / TAGS as u16, least[i] % TAGS as u16].map(u32::from);
+            let disparity = first + group * LANES as u32 + u32::from(lanes[i]);
+            let found = if least[i] == NO_SUM { Key::NONE.0 } else { sum << 16 | disparity };
+            winners[i] = winners[i].min(found);
+        }
+    }
+    let mut second = [NO_SUM; TAGS];
+    for (part, first) in parts.iter().zip((0u16..).step_by(PART)) {
+        let mut others = [[NO_SUM; LANES]; TAGS];
+        let columns = part.least.iter().zip(&part.next).zip(winners);
+        for (others, ((least, next), winner)) in others.iter_mut().zip(columns) {
+            // A lane has at most one of the winner and its neighbours.
+            let neighbours = (winner as u16).wrapping_sub(1).wrapping_sub(first);
+            for i in 0..LANES {
+                let k = least[i] % TAGS as u16 * LANES as u16 + i as u16;
+                let is_near = k.wrapping_sub(neighbours) <= 2;
+                others[i] = if is_near { next[i] } else { least[i] };
+            }
+        }
+        let others = least_of_each(&others);
+        for i in 0..TAGS {
+            second[i] = second[i].min(others[i]);
+        }
+    }
+    let mut margins = [0; TAGS];
+    for i in 0..TAGS {
+        let margin = (second[i] / TAGS as u16).wrapping_sub((winners[i] >> 16) as u16);
+        margins[i] = if second[i] == NO_SUM { 0 } else { margin };
+    }
+    for ((left, winner), margin) in left.iter_mut().zip(winners).zip(margins) {
+        *left = (Key(winner), margin);
+    }
+}
+
+/// The least of the lanes of every column.
+#[inline(always)]
+fn least_of_each(columns: &[[u16; LANES]; TAGS]) -> [u16; TAGS] {
+    #[inline(always)]
+    fn halve<const N: usize>(values: &[u16]) -> [u16; N] {
+        let mut least = [0; N];
+        for (least, pair) in least.iter_mut().zip(values.as_chunks::<2>().0) {
+            *least = pair[0].min(pair[1]);
+        }
+        least
+    }
+    let of_16 = halve::<{ TAGS * LANES / 2 }>(columns.as_flattened());
+    let of_8 = halve::<{ TAGS * LANES / 4 }>(&of_16);
+    let of_4 = halve::<{ TAGS * LANES / 8 }>(&of_8);
+    let of_2 = halve::<{ TAGS * LANES / 16 }>(&of_4);
+    halve(&of_2)
+}
+
+/// The same, and the first lane that has it.
+#[inline(always)]
+fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> ([u16; TAGS], [u16; TAGS]) {
+    /// Lanes are counted from the first of so many that were compared.
+    #[inline(always)]
+    fn halve<const N: usize>(values: &[u16], lanes: &[u16], compared: u16) -> ([u16; N], [u16; N]) {
+        let (mut least, mut lane) = ([0; N], [0; N]);
+        let pairs = values.as_chunks::<2>().0.iter().zip(lanes.as_chunks::<2>().0);
+        for ((least, lane), (values, lanes)) in least.iter_mut().zip(&mut lane).zip(pairs) {
+            let (first, second) = (lanes[0], lanes[1] + compared);
+            // Written without a condition, of which the compiler would make a jump.
+            let is_second = u16::from(values[1] < values[0]).wrapping_neg();
+            *least = values[0].min(values[1]);
+            *lane = first ^ (first ^ second) & is_second;
+        }
+        (least, lane)
+    }
+    let none = [0; TAGS * LANES];
+    let of_16 = halve::<{ TAGS * LANES / 2 }>(columns.as_flattened(), &none, 1);
+    let of_8 = halve::<{ TAGS * LANES / 4 }>(&of_16.0, &of_16.1, 2);
+    let of_4 = halve::<{ TAGS * LANES / 8 }>(&of_8.0, &of_8.1, 4);
+    let of_2 = halve::<{ TAGS * LANES / 16 }>(&of_4.0, &of_4.1, 8);
+    halve(&of_2.0, &of_2.1, 16)
+}
+
+/// The right pixels of a block meet those of all blocks so far.
+#[inline(always)]
+fn meet_block(block: &[u16], right: &mut [Key]) {
+    for (place, (key, &marked)) in right.iter_mut().zip(block).enumerate() {
+        let column = u32::from(marked) % TAGS as u32;
+        let disparity = (place as u32 + column).wrapping_sub(TAGS as u32);
+        let sum = u32::from(marked) / TAGS as u32;
+        let found = if marked == NO_SUM { Key::NONE.0 } else { sum << 16 | disparity & 0xFFFF };
+        key.0 = key.0.min(found);
     }
 }
 
@@ -171,6 +321,9 @@ mod tests {
             (50, (7, 31), (-9, 30)),
             (20, (3, 12), (8, 60)),
             (9, (0, 8), (2, 2)),
+            // More disparities than can be marked at once, none of which, and some, match inside.
+            (40, (0, 39), (-1100, 1060)),
+            (80, (3, 77), (40, 1200)),
         ] {
             let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
             let space =
