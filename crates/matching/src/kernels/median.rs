@@ -6,8 +6,9 @@
 //! five least, the five second least, and so on, are then sorted among themselves, which leaves
 //! the columns sorted. Now number `j` of column `i` has `(i + 1)(j + 1) - 1` others at or below it
 //! and `(5 - i)(5 - j) - 1` at or above; where either is more than 12 it cannot be the median, and
-//! as many fall out below as above. Of the 13 that are left the median is the median of all: the
-//! least and the largest of as many as must hold it are dropped until one is left.
+//! as many fall out below as above. Of the 13 that are left the median is the median of all. How they
+//! lie to each other is known in part, so 19 comparisons find it: a search for few of them through the
+//! 252 ways in which zeros and ones can stand in sorted columns came to this network.
 
 use raster::Plane;
 
@@ -20,9 +21,9 @@ const BLOCK: usize = 64;
 pub(crate) const REACH: usize = 2;
 pub(crate) const SIDE: usize = 2 * REACH + 1;
 
-/// Operations on bytes per pixel of 16 bits: 93 pairs are put in order by a minimum and a maximum, of
-/// which 28 are never looked at.
-pub(crate) const OPERATIONS: usize = (2 * 93 - 28) * 2;
+/// Operations on bytes per pixel of 16 bits: 67 pairs are put in order by a minimum and a maximum, of
+/// which 24 are never looked at.
+pub(crate) const OPERATIONS: usize = (2 * 67 - 24) * 2;
 
 /// Five rows of what the windows of a block hold.
 type Rows = [[u16; BLOCK + 2 * REACH]; SIDE];
@@ -105,49 +106,66 @@ fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
     order(c, d);
 }
 
-/// The median of five sorted columns: `window[rank][column]`.
+/// The two largest of five numbers, the larger one last.
 #[inline(always)]
-fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
-    // Written out: a loop of so much is not unrolled in time for pixels to be done side by side.
-    let [a, b, c, d, e] = &mut window;
-    sort_5(a);
-    sort_5(b);
-    sort_5(c);
-    sort_5(d);
-    sort_5(e);
-    let [a, b, c, d, e] = window;
-    // Eight of thirteen: neither the least nor the largest of them can be the seventh.
-    let mut left = [a[3], a[4], b[2], b[3], b[4], c[1], c[2], c[3]];
-    drop_extremes(&mut left);
-    let mut left = [left[1], left[2], left[3], left[4], left[5], left[6], d[0]];
-    drop_extremes(&mut left);
-    let mut left = [left[1], left[2], left[3], left[4], left[5], d[1]];
-    drop_extremes(&mut left);
-    let mut left = [left[1], left[2], left[3], left[4], d[2]];
-    drop_extremes(&mut left);
-    let mut left = [left[1], left[2], left[3], e[0]];
-    drop_extremes(&mut left);
-    let mut left = [left[1], left[2], e[1]];
-    drop_extremes(&mut left);
-    left[1]
+fn largest_2<T: PartialOrd + Copy>([mut a, mut b, mut c, mut d, mut e]: [T; SIDE]) -> [T; 2] {
+    order(&mut a, &mut b);
+    order(&mut c, &mut d);
+    order(&mut b, &mut d);
+    order(&mut a, &mut c);
+    order(&mut b, &mut c);
+    // The largest is the fourth now, the second largest the third.
+    order(&mut d, &mut e);
+    order(&mut c, &mut d);
+    [d, e]
 }
 
-/// Brings the least to the front and the largest to the end.
+/// The two least of five numbers, the smaller one first.
 #[inline(always)]
-fn drop_extremes<T: PartialOrd + Copy, const N: usize>(numbers: &mut [T; N]) {
-    for i in 0..N / 2 {
-        let (front, back) = numbers.split_at_mut(N - 1 - i);
-        order(&mut front[i], &mut back[0]);
-    }
-    // The least is in the front half now, the largest in the back half.
-    for i in 1..N.div_ceil(2) {
-        let (front, back) = numbers.split_at_mut(i);
-        order(&mut front[0], &mut back[0]);
-    }
-    for i in N / 2..N - 1 {
-        let (front, back) = numbers.split_at_mut(N - 1);
-        order(&mut front[i], &mut back[0]);
-    }
+fn least_2<T: PartialOrd + Copy>([mut a, mut b, mut c, mut d, mut e]: [T; SIDE]) -> [T; 2] {
+    order(&mut d, &mut e);
+    order(&mut b, &mut c);
+    order(&mut b, &mut d);
+    order(&mut c, &mut e);
+    order(&mut c, &mut d);
+    // The least is the second now, the second least the third.
+    order(&mut a, &mut b);
+    order(&mut b, &mut c);
+    [a, b]
+}
+
+/// The median of five sorted columns: `window[rank][column]`.
+#[inline(always)]
+fn median_of_sorted_columns<T: PartialOrd + Copy>(window: [[T; SIDE]; SIDE]) -> T {
+    // Written out: a loop of so much is not unrolled in time for pixels to be done side by side.
+    let [a, mut b, mut c, mut d, e] = window;
+    sort_5(&mut b);
+    sort_5(&mut c);
+    sort_5(&mut d);
+    let ([mut a3, mut a4], [mut e0, mut e1]) = (largest_2(a), least_2(e));
+    let ([_, _, mut b2, mut b3, mut b4], [_, mut c1, mut c2, mut c3, _]) = (b, c);
+    let [mut d0, mut d1, mut d2, ..] = d;
+    // Each of these moves numbers below the median down or numbers above it up, whichever they are.
+    order(&mut a3, &mut c1);
+    order(&mut b3, &mut c2);
+    order(&mut b3, &mut d1);
+    order(&mut b2, &mut d0);
+    order(&mut a4, &mut d1);
+    order(&mut b4, &mut d2);
+    order(&mut c2, &mut e0);
+    order(&mut c3, &mut e1);
+    order(&mut d1, &mut e0);
+    order(&mut a4, &mut c2);
+    order(&mut c1, &mut d0);
+    order(&mut a4, &mut c1);
+    order(&mut c2, &mut b3);
+    order(&mut c1, &mut c2);
+    order(&mut b4, &mut c3);
+    order(&mut b3, &mut b4);
+    order(&mut b4, &mut d1);
+    order(&mut b3, &mut d0);
+    order(&mut b4, &mut d0);
+    b4
 }
 
 #[cfg(test)]
