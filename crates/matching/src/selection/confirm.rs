@@ -36,40 +36,43 @@ at_every_level! {
             let [index, least, before, after] =
                 [winners.index, winners.least, winners.before, winners.after]
                     .map(|row| row[j * LANES..].first_chunk().expect("a whole vector"));
-            evaluate(index, least, before, after, layout.count(), numbers, &mut steps, &mut sure);
+            let mut opposite = [0; LANES];
             for (stripe, x) in (j..n).step_by(layout.stripe()).enumerate() {
                 let lane = Layout::lane_of_sums(stripe);
-                let k = index[lane];
-                let right = winners.right_places[x + layout.shift(usize::from(k))];
-                let apart = k.abs_diff(winners.right_index[right as usize]);
-                // All bits or none, without conditions, of which the compiler would make jumps. A hole has all.
-                let kept = ((i32::from(apart) - 2) >> 31) as u32;
-                disparities[x] = steps[lane] | !kept as u16;
-                confidence[x] = f32::from_bits(sure[lane].to_bits() & kept);
+                let right = winners.right_places[x + layout.shift(usize::from(index[lane]))];
+                opposite[lane] = winners.right_index[right as usize];
+            }
+            let last = (layout.count() - 1) as u16;
+            let valleys = (&mut steps, &mut sure);
+            evaluate(index, &opposite, least, before, after, last, numbers, valleys);
+            for (stripe, x) in (j..n).step_by(layout.stripe()).enumerate() {
+                let lane = Layout::lane_of_sums(stripe);
+                (disparities[x], confidence[x]) = (steps[lane], sure[lane]);
             }
         }
     }
 }
 
-/// Disparities and confidence of a vector of winners, if they are confirmed.
+/// Disparities and confidence of a vector of winners. After the `last` disparity there is no other.
 #[inline(always)]
 fn evaluate(
     index: &[u16; LANES],
+    opposite: &[u16; LANES],
     least: &[u16; LANES],
     before: &[u16; LANES],
     after: &[u16; LANES],
-    count: usize,
+    last: u16,
     numbers: FixedPoint,
-    steps: &mut [u16; LANES],
-    sure: &mut [f32; LANES],
+    (steps, sure): (&mut [u16; LANES], &mut [f32; LANES]),
 ) {
-    let (scale, last) = (f32::from(numbers.scale()), (count - 1) as u16);
+    let scale = f32::from(numbers.scale());
     for l in 0..LANES {
+        let found = (least[l] < OUT) & (index[l].abs_diff(opposite[l]) <= 1);
         let after = if index[l] < last { after[l] } else { OUT };
         let valley = valley(before[l], least[l], after);
         let nearest = nearest((f32::from(index[l]) + valley.fraction) * scale) as u16;
-        steps[l] = if least[l] < OUT { nearest } else { HOLE };
-        sure[l] = if least[l] < OUT { valley.confidence } else { 0.0 };
+        steps[l] = if found { nearest } else { HOLE };
+        sure[l] = if found { valley.confidence } else { 0.0 };
     }
 }
 
