@@ -141,12 +141,6 @@ fn place_of_all<const N: usize>(byte: usize) -> usize {
     byte / LANES * N * LANES + byte % LANES
 }
 
-/// Pairs of lanes.
-#[inline(always)]
-fn pairs(vector: &[u8; LANES]) -> &[[u8; 2]; LANES / 2] {
-    vector.as_chunks().0.first_chunk().expect("half as many pairs as lanes")
-}
-
 /// The lane with the even number, then that with the odd one.
 #[inline(always)]
 fn halves(pair: [u8; 2]) -> [u16; 2] {
@@ -215,12 +209,9 @@ fn match_some<const N: usize>(
     let columns = &sad.columns[BEFORE + k * length - N * LANES..][..N * (length + LANES) + LANES];
     let costs: &mut [[[u16; LANES]; N]] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
     let costs = &mut costs[..layout.stripe() + 2 * N - 1];
-    for n in 0..N {
-        let outside = group(&sad.outside, layout.shift(k + n) * LANES);
-        let untried = [group(&sad.beyond, 0), outside];
-        costs[N - 1][n] = first_sums::<N>(&columns[n * LANES..], layout, untried);
-    }
     let right = layout.shift(k + N - 1);
+    let outside = groups(&sad.outside, right * LANES, N).first_chunk().expect("as many");
+    costs[N - 1] = first_sums::<N>(columns, layout, group(&sad.beyond, 0), outside);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
         let enter: &[[_; N]] =
@@ -261,27 +252,40 @@ fn match_some<const N: usize>(
     }
 }
 
-/// The sums of the windows before those of the first vector, of one of `N` and with a vector before it.
+/// The sums of the windows before those of the first vector, of columns with a vector before it.
 #[inline(always)]
 fn first_sums<const N: usize>(
     columns: &[u8],
     layout: &Layout,
-    [beyond, outside]: [&[u16; LANES]; 2],
-) -> [u16; LANES] {
-    let half = LANES / 2;
-    let mut sums = [0; LANES];
-    for l in 0..LANES {
-        sums[l] = beyond[l] | outside[l];
-    }
-    for at in layout.first_vectors() {
-        let vector = pairs(group(columns, place_of_all::<N>(at)));
-        for i in 0..half {
-            let entering = halves(vector[i]);
-            sums[i] += entering[0];
-            sums[half + i] += entering[1];
+    beyond: &[u16; LANES],
+    outside: &[[u16; LANES]; N],
+) -> [[u16; LANES]; N] {
+    let mut sums = [[0; LANES]; N];
+    for n in 0..N {
+        // What the last index is compared with comes first.
+        let outside = &outside[N - 1 - n];
+        for l in 0..LANES {
+            sums[n][l] = beyond[l] | outside[l];
         }
     }
+    for at in layout.first_vectors() {
+        let vectors = pairs_side_by_side(columns, place_of_all::<N>(at), 1);
+        add_pairs(&vectors[0], &mut sums);
+    }
     sums
+}
+
+/// Adds vectors to sums.
+#[inline(always)]
+fn add_pairs<const N: usize>(vectors: &[[[u8; 2]; LANES / 2]; N], sums: &mut [[u16; LANES]; N]) {
+    let half = LANES / 2;
+    for n in 0..N {
+        for i in 0..half {
+            let entering = halves(vectors[n][i]);
+            sums[n][i] += entering[0];
+            sums[n][half + i] += entering[1];
+        }
+    }
 }
 
 /// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away.
