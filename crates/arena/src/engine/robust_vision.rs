@@ -100,8 +100,9 @@ fn watch(
         }
     };
     let exit = process::kill_group(&mut child);
+    let deadline = Instant::now() + PATIENCE;
     for closed in [stdout_closed, stderr_closed].into_iter().flatten() {
-        let _ = closed.recv_timeout(PATIENCE);
+        let _ = closed.recv_timeout(deadline.saturating_duration_since(Instant::now()));
     }
     match (past_limit, exit) {
         (Some(status), _) => Err(status),

@@ -125,7 +125,11 @@ impl Session {
         // Both streams end with the process, unless a child of it holds them open elsewhere.
         let deadline = Instant::now() + PATIENCE;
         let left = || deadline.saturating_duration_since(Instant::now());
-        while !matches!(self.heard.recv_timeout(left()), Ok(Heard::Closed) | Err(_)) {}
+        while !left().is_zero() {
+            if let Ok(Heard::Closed) | Err(_) = self.heard.recv_timeout(left()) {
+                break;
+            }
+        }
         let _ = self.stderr_closed.recv_timeout(left());
         self.log()
     }

@@ -150,7 +150,12 @@ impl Worker {
             Err(status) => return Attempt::without_answer(status, Usage::default()),
         };
         let (status, usage) = session.run(&job);
-        let (log, claimed_seconds) = (session.log(), session.claimed_seconds());
+        let claimed_seconds = session.claimed_seconds();
+        let log = if session.is_alive() {
+            session.log()
+        } else {
+            self.session.take().map_or_else(String::new, Session::last_words)
+        };
         let answer = match status {
             Status::Done => exchange::read_answer(&job),
             other => return Attempt { log, ..Attempt::without_answer(other, usage) },

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use super::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::path::LANES;
+use crate::kernels::path::{LANES, LARGEST_COST};
 use crate::optimization::semi_global::CostRows;
 use crate::prepare::census::{self, BITS, CensusRows};
 use crate::prepare::descriptor::Descriptors;
@@ -48,7 +48,7 @@ const DOUBTFUL: Weights = Weights::new(20, 45);
 impl Weights {
     const fn new(census: u16, descriptor: u16) -> Self {
         let largest = (BITS as u16 * census + 64 * descriptor) / 64 + LARGEST_STEP as u16;
-        assert!(largest < 128, "a path's state must fit a byte");
+        assert!(largest <= LARGEST_COST as u16, "paths and their sums have no room for more");
         Self { census, descriptor }
     }
 }

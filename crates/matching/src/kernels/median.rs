@@ -3,11 +3,11 @@
 //! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated.
 //!
 //! Columns of five are sorted first, once for the five windows that share them. In a window the
-//! five least, the five second least, and so on, are then sorted among themselves, which leaves
-//! the columns sorted. Now number `j` of column `i` has `(i + 1)(j + 1) - 1` others at or below it
+//! five least, the five second least, and so on, could then be sorted among themselves, which leaves
+//! the columns sorted. Then number `j` of column `i` has `(i + 1)(j + 1) - 1` others at or below it
 //! and `(5 - i)(5 - j) - 1` at or above; where either is more than 12 it cannot be the median, and
-//! as many fall out below as above. Of the 13 that are left the median is the median of all. How they
-//! lie to each other is known in part, so 19 comparisons find it: a search for few of them through the
+//! as many fall out below as above. Of the 13 that are left, which alone are worked out, the median is the median of all. How they
+//! lie to each other is known in part, so 17 comparisons find it: a search for few of them through the
 //! 252 ways in which zeros and ones can stand in sorted columns came to this network.
 
 use raster::Plane;
@@ -157,9 +157,7 @@ fn median_of_sorted_columns<T: PartialOrd + Copy>(window: [[T; SIDE]; SIDE]) -> 
     order(&mut d1, &mut e0);
     order(&mut a4, &mut c2);
     order(&mut c1, &mut d0);
-    order(&mut a4, &mut c1);
     order(&mut c2, &mut b3);
-    order(&mut c1, &mut c2);
     order(&mut b4, &mut c3);
     order(&mut b3, &mut b4);
     order(&mut b4, &mut d1);

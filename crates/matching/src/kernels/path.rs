@@ -28,6 +28,8 @@ pub const LANES: usize = 32;
 /// Room before a pixel's states for the neighbours `d - 1` and `d + 1`, and after the last pixel. As long as a
 /// group, so that all groups begin where it takes one load to read them.
 const MARGIN: usize = LANES;
+/// No cost may be larger, so that a path's state fits a byte and a sum of all paths has bits to spare.
+pub const LARGEST_COST: u8 = 127;
 /// What a surface may rise or fall from one pixel to the next.
 pub const HIGHEST_RISE: i8 = 2;
 const _: () = assert!((HIGHEST_RISE as usize) < MARGIN);

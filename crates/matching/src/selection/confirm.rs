@@ -32,7 +32,7 @@ at_every_level! {
         let n = layout.answered();
         let (disparities, confidence) = (&mut disparities[..n], &mut confidence[..n]);
         let (mut steps, mut sure) = ([0; LANES], [0.0; LANES]);
-        for j in 0..layout.stripe().min(n) {
+        for j in 0..layout.stripe() {
             let [index, least, before, after] =
                 [winners.index, winners.least, winners.before, winners.after]
                     .map(|row| row[j * LANES..].first_chunk().expect("a whole vector"));
@@ -109,14 +109,17 @@ mod tests {
     }
 
     impl Striped {
-        /// All columns with the same winner: its index, least sum and those before and after it, and the
-        /// index of the right pixel's winner.
-        fn all([row @ .., opposite]: [u16; 5], layout: &Layout) -> Self {
-            let rights = layout.answered() + layout.count() - 1;
+        /// Per answered column the index of the winner, its sum, those before and after it, and the index of
+        /// the right pixel's winner, which no two columns share.
+        fn new(columns: &[[u16; 5]], layout: &Layout) -> Self {
+            let rights = columns.len() + layout.count() - 1;
             let right_places: Vec<_> = (0..rights).map(|x| layout.right_place(x) as u32).collect();
-            let rows = row.map(|value| vec![value; layout.left()]);
+            let mut rows = [(); 4].map(|()| vec![0; layout.left()]);
             let mut right_index = vec![9; layout.right()];
-            for x in 0..layout.answered() {
+            for (x, &[row @ .., opposite]) in columns.iter().enumerate() {
+                for (values, value) in rows.iter_mut().zip(row) {
+                    values[layout.place(x)] = value;
+                }
                 let right = right_places[x + layout.shift(usize::from(row[0]))];
                 right_index[right as usize] = opposite;
             }
@@ -144,30 +147,33 @@ mod tests {
             // The ends of the range: no fraction, nothing to be sure of.
             ([0, 4, OUT, 6, 0], (-1.0, 0.0)),
             ([4, 4, 6, 5, 4], (3.0, 0.0)),
-            // Nothing was tried.
-            ([0, OUT, OUT, OUT, 0], (f32::NAN, 0.0)),
             // A flat valley.
             ([3, 5, 5, 5, 3], (2.0, 0.0)),
         ];
+        let untried = ([0, OUT, OUT, OUT, 0], (f32::NAN, 0.0));
         let range = DisparityRange::new(-1, 3).unwrap();
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            for (case, (disparity, sure)) in cases {
-                // One column, forty alike, and stripes of two, the last of one or empty.
-                for n in [1, 40, 113, 115] {
-                    let space =
-                        SearchSpace::new(200, BoundingBox::new(50, 0, 49 + n, 0).unwrap(), range);
-                    let numbers = FixedPoint::new(&space);
-                    let layout = Layout::new(&space);
-                    let striped = Striped::all(case, &layout);
-                    let (mut found, mut confidence) = (vec![7; n], vec![7.0; n]);
-                    let winners = striped.winners();
-                    confirm_row(level, winners, &layout, numbers, &mut found, &mut confidence);
-                    for (&found, &confidence) in found.iter().zip(&confidence) {
-                        let found = numbers.pixels(found);
-                        assert!(found == disparity || found.is_nan() && disparity.is_nan());
-                        assert_eq!(confidence, sure, "{case:?}");
-                    }
+            // One stripe of one column, and stripes of one to five, the last of them empty or not full.
+            for n in [1, 40, 56, 113, 115, 248, 300] {
+                // Far enough from each other for right pixels of their own.
+                let columns = (0..n).map(|x| match x % range.count() {
+                    0 => cases[x / range.count() % cases.len()],
+                    _ => untried,
+                });
+                let (columns, expected): (Vec<_>, Vec<_>) = columns.unzip();
+                let bounds = BoundingBox::new(50, 0, 49 + n, 0).unwrap();
+                let space = SearchSpace::new(400, bounds, range);
+                let (numbers, layout) = (FixedPoint::new(&space), Layout::new(&space));
+                let striped = Striped::new(&columns, &layout);
+                let (mut found, mut confidence) = (vec![7; n], vec![7.0; n]);
+                let winners = striped.winners();
+                confirm_row(level, winners, &layout, numbers, &mut found, &mut confidence);
+                for (x, (disparity, sure)) in expected.into_iter().enumerate() {
+                    let found = numbers.pixels(found[x]);
+                    let is_found = found == disparity || found.is_nan() && disparity.is_nan();
+                    assert!(is_found, "{found}, not {disparity} at {x} of {n}");
+                    assert_eq!(confidence[x], sure, "{x} of {n}");
                 }
             }
         }

@@ -9,22 +9,24 @@ use std::ops::Range;
 
 use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::path::LANES;
+use crate::kernels::path::{self, LANES};
 
 /// Operations on bytes per pixel and disparity, all on numbers of 16 bits: a shift, two marks, three minima and
 /// a maximum.
 pub(crate) const OPERATIONS: usize = 2 * 7;
 
-/// So many things a sum can be marked with: groups of a column, or columns of a block. Both together have 16
-/// bits, as long as sums are below 2048: eight costs below 128 and what eight paths add, 510 at most.
+/// So many things a sum can be marked with: groups of a column, or columns of a block.
 const TAGS: usize = 32;
+/// No sum is larger: eight costs and what the paths of both halves add. Marked, it fits 16 bits.
+const LARGEST: u16 = 8 * path::LARGEST_COST as u16 + 2 * u8::MAX as u16;
+const _: () = assert!((LARGEST as usize + 1) * TAGS <= u16::MAX as usize);
 /// So many disparities are marked together.
 const PART: usize = TAGS * LANES;
 const _: () = assert!(LANES == 32, "five steps make one of as many");
 
 /// A sum and its disparity in one number, the sum above: of two keys the smaller one wins. The
 /// largest stands for "no disparity could be tried".
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Key(u32);
 
 impl Key {
@@ -321,19 +323,27 @@ mod tests {
             (50, (7, 31), (-9, 30)),
             (20, (3, 12), (8, 60)),
             (9, (0, 8), (2, 2)),
-            // More disparities than can be marked at once, none of which, and some, match inside.
-            (40, (0, 39), (-1100, 1060)),
-            (80, (3, 77), (40, 1200)),
+            // Whole groups, all of which are tried in some blocks.
+            (100, (20, 90), (0, 31)),
+            // More disparities than can be marked at once, of which all or some are tried.
+            (1500, (1060, 1130), (0, 1055)),
+            (1200, (1130, 1199), (0, 1199)),
+            (1200, (0, 60), (-1199, 30)),
         ] {
             let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
             let space =
                 SearchSpace::new(width, bounds, DisparityRange::new(range.0, range.1).unwrap());
-            let sums: Vec<u16> = (0..space.columns() * space.lanes).map(|_| random(40)).collect();
-            let (left, right) = definition(&space, &sums);
-            for level in Level::available() {
+            let pairs = space.columns() * space.lanes;
+            // Among few sums many are equal; then those that come near the largest.
+            let equal: Vec<u16> = (0..pairs).map(|_| random(40)).collect();
+            let large: Vec<u16> = (0..pairs).map(|_| LARGEST - random(40) * random(40)).collect();
+            for (level, sums) in
+                Level::available().into_iter().flat_map(|l| [(l, &equal), (l, &large)])
+            {
                 eprintln!("level {}", level.name());
+                let (left, right) = definition(&space, sums);
                 let mut winners = Winners::default();
-                winners.select(level, &space, &sums);
+                winners.select(level, &space, sums);
                 let found = winners.left.iter().map(|&(key, m)| key.disparity().map(|k| (k, m)));
                 assert_eq!(found.collect::<Vec<_>>(), left, "{space:?}");
                 let found = winners.right(&space).iter().map(|key| key.disparity());

@@ -15,7 +15,7 @@ pub(super) const BEFORE: usize = TOGETHER * LANES;
 /// and one less after the last.
 const MARGINS: usize = 2 * TOGETHER - 1;
 
-/// What won in one row, in stripes.
+/// What won in one row, in stripes. An index is that of a row before where nothing could be tried.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Winners<'a> {
     /// Of the left view the index of the disparity with the least sum, the smallest of several.

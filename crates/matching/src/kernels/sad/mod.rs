@@ -5,8 +5,9 @@
 //! C(x, y, k) = sum of A(x', y', k) over |x' - x| <= r, |y' - y| <= r inside the image
 //! ```
 //!
-//! In: the filtered rows that enter and leave the window. Out: per column the least sum of the
-//! left view, its index, its neighbours, and the index that wins at the right pixel that it meets.
+//! In: the filtered rows that enter and leave the window. Out, in stripes: per column
+//! the least sum of the left view, its index and its neighbours, and per place of the right view the index
+//! that wins there ([`Winners`]).
 //!
 //! Columns lie in [`stripes`](super::stripes), so that neighbours are in vectors that follow each
 //! other. For one disparity after the other:
