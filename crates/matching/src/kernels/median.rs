@@ -3,12 +3,12 @@
 //! In: five rows of 16-bit numbers. Out: one row of medians, the rows' ends repeated.
 //!
 //! Columns of five are sorted first, once for the five windows that share them. In a window the
-//! five least, the five second least, and so on, could then be sorted among themselves, which leaves
-//! the columns sorted. Then number `j` of column `i` has `(i + 1)(j + 1) - 1` others at or below it
+//! five least, the five second least, and so on, are then sorted among themselves, which leaves
+//! the columns sorted. Now number `j` of column `i` has `(i + 1)(j + 1) - 1` others at or below it
 //! and `(5 - i)(5 - j) - 1` at or above; where either is more than 12 it cannot be the median, and
-//! as many fall out below as above. Of the 13 that are left, which alone are worked out, the median is the median of all. How they
-//! lie to each other is known in part, so 17 comparisons find it: a search for few of them through the
-//! 252 ways in which zeros and ones can stand in sorted columns came to this network.
+//! as many fall out below as above. Of the 13 that are left the median is the median of all. How
+//! they lie to each other is known in part, so 17 comparisons find it: a search for few of them
+//! through the 252 ways in which zeros and ones can stand in sorted columns came to this network.
 
 use raster::Plane;
 
@@ -21,9 +21,9 @@ const BLOCK: usize = 64;
 pub(crate) const REACH: usize = 2;
 pub(crate) const SIDE: usize = 2 * REACH + 1;
 
-/// Operations on bytes per pixel of 16 bits: 67 pairs are put in order by a minimum and a maximum, of
-/// which 24 are never looked at.
-pub(crate) const OPERATIONS: usize = (2 * 67 - 24) * 2;
+/// Operations on bytes per pixel of 16 bits: 71 pairs are put in order by a minimum and a maximum, of
+/// which 28 are never looked at.
+pub(crate) const OPERATIONS: usize = (2 * 71 - 28) * 2;
 
 /// Five rows of what the windows of a block hold.
 type Rows = [[u16; BLOCK + 2 * REACH]; SIDE];
@@ -106,45 +106,19 @@ fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
     order(c, d);
 }
 
-/// The two largest of five numbers, the larger one last.
-#[inline(always)]
-fn largest_2<T: PartialOrd + Copy>([mut a, mut b, mut c, mut d, mut e]: [T; SIDE]) -> [T; 2] {
-    order(&mut a, &mut b);
-    order(&mut c, &mut d);
-    order(&mut b, &mut d);
-    order(&mut a, &mut c);
-    order(&mut b, &mut c);
-    // The largest is the fourth now, the second largest the third.
-    order(&mut d, &mut e);
-    order(&mut c, &mut d);
-    [d, e]
-}
-
-/// The two least of five numbers, the smaller one first.
-#[inline(always)]
-fn least_2<T: PartialOrd + Copy>([mut a, mut b, mut c, mut d, mut e]: [T; SIDE]) -> [T; 2] {
-    order(&mut d, &mut e);
-    order(&mut b, &mut c);
-    order(&mut b, &mut d);
-    order(&mut c, &mut e);
-    order(&mut c, &mut d);
-    // The least is the second now, the second least the third.
-    order(&mut a, &mut b);
-    order(&mut b, &mut c);
-    [a, b]
-}
-
 /// The median of five sorted columns: `window[rank][column]`.
 #[inline(always)]
-fn median_of_sorted_columns<T: PartialOrd + Copy>(window: [[T; SIDE]; SIDE]) -> T {
+fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
     // Written out: a loop of so much is not unrolled in time for pixels to be done side by side.
-    let [a, mut b, mut c, mut d, e] = window;
-    sort_5(&mut b);
-    sort_5(&mut c);
-    sort_5(&mut d);
-    let ([mut a3, mut a4], [mut e0, mut e1]) = (largest_2(a), least_2(e));
-    let ([_, _, mut b2, mut b3, mut b4], [_, mut c1, mut c2, mut c3, _]) = (b, c);
-    let [mut d0, mut d1, mut d2, ..] = d;
+    let [a, b, c, d, e] = &mut window;
+    sort_5(a);
+    sort_5(b);
+    sort_5(c);
+    sort_5(d);
+    sort_5(e);
+    let [[.., mut a3, mut a4], [.., mut b2, mut b3, mut b4], [_, mut c1, mut c2, mut c3, _], ..] =
+        window;
+    let [.., [mut d0, mut d1, mut d2, ..], [mut e0, mut e1, ..]] = window;
     // Each of these moves numbers below the median down or numbers above it up, whichever they are.
     order(&mut a3, &mut c1);
     order(&mut b3, &mut c2);

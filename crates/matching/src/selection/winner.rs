@@ -205,7 +205,7 @@ fn select_block(parts: &[Part], left: &mut [(Key, u16)]) {
                 others[i] = if is_near { next[i] } else { least[i] };
             }
         }
-        let others = least_of_each(&others);
+        let others = least_with_lane(&others).0;
         for i in 0..TAGS {
             second[i] = second[i].min(others[i]);
         }
@@ -220,25 +220,7 @@ fn select_block(parts: &[Part], left: &mut [(Key, u16)]) {
     }
 }
 
-/// The least of the lanes of every column.
-#[inline(always)]
-fn least_of_each(columns: &[[u16; LANES]; TAGS]) -> [u16; TAGS] {
-    #[inline(always)]
-    fn halve<const N: usize>(values: &[u16]) -> [u16; N] {
-        let mut least = [0; N];
-        for (least, pair) in least.iter_mut().zip(values.as_chunks::<2>().0) {
-            *least = pair[0].min(pair[1]);
-        }
-        least
-    }
-    let of_16 = halve::<{ TAGS * LANES / 2 }>(columns.as_flattened());
-    let of_8 = halve::<{ TAGS * LANES / 4 }>(&of_16);
-    let of_4 = halve::<{ TAGS * LANES / 8 }>(&of_8);
-    let of_2 = halve::<{ TAGS * LANES / 16 }>(&of_4);
-    halve(&of_2)
-}
-
-/// The same, and the first lane that has it.
+/// The least of the lanes of every column, and the first lane that has it.
 #[inline(always)]
 fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> ([u16; TAGS], [u16; TAGS]) {
     /// Lanes are counted from the first of so many that were compared.
