@@ -37,36 +37,19 @@ impl Level {
     /// Every level that this processor has, the plainest first.
     pub fn available() -> Vec<Level> {
         let mut levels = vec![Level(Set::Scalar)];
+        let best = fearless_simd::Level::new();
         #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("sse4.2") && is_x86_feature_detected!("popcnt") {
-                levels.push(Level(Set::Sse42));
-            }
-            if is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("bmi2")
-                && is_x86_feature_detected!("fma")
-                && is_x86_feature_detected!("lzcnt")
-                && levels.len() == 2
-            {
-                levels.push(Level(Set::Avx2));
-            }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512cd")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512vbmi")
-                && is_x86_feature_detected!("avx512vnni")
-                && is_x86_feature_detected!("avx512bitalg")
-                && is_x86_feature_detected!("avx512vpopcntdq")
-                && levels.len() == 3
-            {
-                levels.push(Level(Set::Avx512));
+        for (has, set) in [
+            (best.as_sse4_2().is_some(), Set::Sse42),
+            (best.as_avx2().is_some(), Set::Avx2),
+            (best.as_avx512().is_some(), Set::Avx512),
+        ] {
+            if has {
+                levels.push(Level(set));
             }
         }
         #[cfg(target_arch = "aarch64")]
-        if std::arch::is_aarch64_feature_detected!("neon") {
+        if best.as_neon().is_some() {
             levels.push(Level(Set::Neon));
         }
         levels
@@ -179,6 +162,34 @@ macro_rules! at_every_level {
     )*};
 }
 pub(crate) use at_every_level;
+
+/// Evaluates an expression that is compiled once for every level, with the vectors of the level by a name: a
+/// token of `fearless_simd`, for what no plain loop expresses. Everything that the expression calls must be
+/// `#[inline(always)]` to be compiled along with it.
+macro_rules! with_vectors {
+    ($level:expr, $simd:ident => $value:expr) => {
+        $crate::kernels::level::with_vectors!(@ $level, $simd => $value;
+            Scalar, "x86_64", as_sse2; Sse42, "x86_64", as_sse4_2; Avx2, "x86_64", as_avx2; Avx512, "x86_64", as_avx512;
+            Scalar, "aarch64", as_neon; Neon, "aarch64", as_neon;
+        )
+    };
+    (@ $level:expr, $simd:ident => $value:expr; $($set:ident, $arch:literal, $token:ident;)*) => {{
+        use fearless_simd::Simd as _;
+        match $level.set() {
+            $(#[cfg(target_arch = $arch)]
+            $crate::kernels::level::Set::$set => {
+                let $simd = fearless_simd::Level::new().$token().expect("levels are where it finds them");
+                $simd.vectorize(#[inline(always)] || $value)
+            })*
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+            $crate::kernels::level::Set::Scalar => {
+                let $simd = fearless_simd::Fallback::new();
+                $simd.vectorize(#[inline(always)] || $value)
+            }
+        }
+    }};
+}
+pub(crate) use with_vectors;
 
 /// What multiplies at a level, for a body that asked for it by a name.
 macro_rules! products_at {

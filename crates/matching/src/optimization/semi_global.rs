@@ -17,7 +17,7 @@ use raster::View;
 
 use crate::kernels::aligned::Aligned;
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::path::{self, AlongState, RowStates, RowTransitions, padded, paths_of_row};
+use crate::kernels::path::{self, Detours, Row, RowStates, RowTransitions, padded, paths_of_row};
 use crate::optimization::bands::{Bands, Checkpoints, Volume};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::profile::Work;
@@ -108,8 +108,7 @@ pub struct SemiGlobal {
 struct Sweep {
     /// From the last row to the first, and along rows from right to left.
     reverse: bool,
-    states: [RowStates; 2],
-    along: AlongState,
+    states: RowStates,
     transitions: RowTransitions,
     costs: Aligned<u8>,
     /// Of a row that is finished: the detours of the opposite paths, and the sums.
@@ -152,8 +151,8 @@ impl<C: CostRows> Shared<'_, C> {
 impl Sweep {
     /// The memory of a sweep, without the finished row.
     fn bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
-        // Penalties, rises and costs of a row; the states of a pixel are too few to count.
-        2 * RowStates::bytes(columns, lanes) + 8 * columns + columns * lanes
+        // Penalties, rises and costs of a row.
+        RowStates::bytes(columns, lanes) + 8 * columns + columns * lanes
     }
 
     /// The memory of a row that is finished.
@@ -163,8 +162,7 @@ impl Sweep {
 
     fn reset(&mut self, reverse: bool, columns: usize, count: usize) {
         self.reverse = reverse;
-        self.states.iter_mut().for_each(|s| s.reset(columns, count));
-        self.along.reset(count);
+        self.states.reset(columns, count);
         let RowTransitions { p2, rise } = &mut self.transitions;
         p2.iter_mut().for_each(|p2| p2.resize(columns, 0));
         for rise in rise {
@@ -198,34 +196,19 @@ impl Sweep {
         let detours = if last {
             // They lie far away: memory hands over a row in one go faster than in the order of a sweep.
             self.opposite.copy_from_slice(detours);
-            &mut self.opposite[..]
+            Detours::Meet { opposite: &self.opposite, sums: &mut self.sums }
         } else {
-            detours
+            Detours::Leave(detours)
         };
-        let paths = match (reverse, last, prior.is_some()) {
-            (false, false, false) => paths_of_row::<false, false, false>,
-            (false, false, true) => paths_of_row::<false, false, true>,
-            (false, true, false) => paths_of_row::<false, true, false>,
-            (false, true, true) => paths_of_row::<false, true, true>,
-            (true, false, false) => paths_of_row::<true, false, false>,
-            (true, false, true) => paths_of_row::<true, false, true>,
-            (true, true, false) => paths_of_row::<true, true, false>,
-            (true, true, true) => paths_of_row::<true, true, true>,
+        let row = Row {
+            costs: &self.costs,
+            count: padded(shared.costs.count()),
+            transitions: &self.transitions,
+            rising: prior.is_some(),
+            p1: shared.penalties.p1,
+            reverse,
         };
-        let [old, new] = &mut self.states;
-        paths(
-            shared.level,
-            &self.costs,
-            padded(shared.costs.count()),
-            &self.transitions,
-            shared.penalties.p1,
-            old,
-            new,
-            &mut self.along,
-            detours,
-            &mut self.sums,
-        );
-        self.states.swap(0, 1);
+        paths_of_row(shared.level, &row, &mut self.states, detours);
     }
 }
 
@@ -240,7 +223,7 @@ impl Trail {
         let Range { mut start, end } = steps;
         let pitch = shared.pitch();
         while let Some(spacing) = shared.bands.next(end - start) {
-            self.checkpoints.push(start, &sweep.states[0]);
+            self.checkpoints.push(start, &sweep.states);
             for step in start..start + spacing {
                 // Not wanted yet: the next row replaces them.
                 let detours = &mut self.detours[..pitch];
@@ -270,7 +253,7 @@ impl Trail {
                 other.advance(shared, y, true, detours);
                 finish(y, &other.sums);
             }
-            let Some(checkpoint) = self.checkpoints.pop(&mut again.states[0]) else { return };
+            let Some(checkpoint) = self.checkpoints.pop(&mut again.states) else { return };
             self.follow(again, shared, checkpoint..self.held.start);
         }
     }
