@@ -6,6 +6,9 @@
 //! [`Level::available`] or [`Level::chosen`], all of which ask the processor, so holding one is
 //! proof that its instructions exist: this is the argument for `unsafe` in that macro, which the values
 //! in `products.rs` pass on.
+//!
+//! Where no plain loop expresses what vectors can do, [`with_vectors!`] gives those of `fearless_simd`, which
+//! also says which levels there are.
 
 use std::fmt;
 use std::sync::OnceLock;
