@@ -27,6 +27,8 @@
 
 mod vectors;
 
+use std::ops::Range;
+
 use fearless_simd::{Simd, SimdBase};
 
 use self::vectors::Disparities;
@@ -151,22 +153,25 @@ pub enum Detours<'a> {
     Meet { opposite: &'a [u8], sums: &'a mut [u16] },
 }
 
+impl Detours<'_> {
+    /// Those of some disparities.
+    #[inline(always)]
+    fn part(&mut self, places: Range<usize>) -> Detours<'_> {
+        match self {
+            Detours::Leave(left) => Detours::Leave(&mut left[places]),
+            Detours::Meet { opposite, sums } => {
+                Detours::Meet { opposite: &opposite[places.clone()], sums: &mut sums[places] }
+            }
+        }
+    }
+}
+
 /// Advances the four paths by one row. `costs`, detours and sums are `columns x count` with the disparities
 /// of a column side by side.
 pub fn paths_of_row(level: Level, row: &Row<'_>, states: &mut RowStates, detours: Detours<'_>) {
-    match (detours, row.rising) {
-        (Detours::Leave(left), false) => {
-            with_vectors!(level, simd => advance::<_, false, false>(simd, row, states, left, &[], &mut []));
-        }
-        (Detours::Leave(left), true) => {
-            with_vectors!(level, simd => advance::<_, false, true>(simd, row, states, left, &[], &mut []));
-        }
-        (Detours::Meet { opposite, sums }, false) => {
-            with_vectors!(level, simd => advance::<_, true, false>(simd, row, states, &mut [], opposite, sums));
-        }
-        (Detours::Meet { opposite, sums }, true) => {
-            with_vectors!(level, simd => advance::<_, true, true>(simd, row, states, &mut [], opposite, sums));
-        }
+    match row.rising {
+        false => with_vectors!(level, simd => advance::<_, false>(simd, row, states, detours)),
+        true => with_vectors!(level, simd => advance::<_, true>(simd, row, states, detours)),
     }
 }
 
@@ -198,9 +203,7 @@ struct Pixel<'a, V: SimdBase<S>, S: Simd> {
     next: &'a [V::Array],
     /// Before and after the step.
     along: &'a mut [V::Array],
-    left: &'a mut [u8],
-    opposite: &'a [u8],
-    sums: &'a mut [u16],
+    detours: Detours<'a>,
 }
 
 impl<S: Simd, V: Disparities<S>> Pixel<'_, V, S> {
@@ -220,7 +223,7 @@ impl<S: Simd, V: Disparities<S>> Pixel<'_, V, S> {
     /// One step of four paths, the definition above, in vector `i`, all or only half of which is wanted.
     /// `later` are states before the step in the vector after it.
     #[inline(always)]
-    fn step<const MEET: bool, const RISE: bool>(
+    fn step<const RISE: bool>(
         &mut self,
         simd: S,
         column: &Column<V>,
@@ -251,24 +254,23 @@ impl<S: Simd, V: Disparities<S>> Pixel<'_, V, S> {
         self.along[i] = after[3].to_array();
         let [a, b, c, d] = detours;
         let four = a.saturating_add(b).saturating_add(c.saturating_add(d));
-        if MEET {
-            let opposite = V::load(simd, &self.opposite[first..], whole);
-            cost.total(four, opposite, &mut self.sums[first..], whole);
-        } else {
-            four.store(&mut self.left[first..], whole);
+        match &mut self.detours {
+            Detours::Leave(left) => four.store(&mut left[first..], whole),
+            Detours::Meet { opposite, sums } => {
+                let opposite = V::load(simd, &opposite[first..], whole);
+                cost.total(four, opposite, &mut sums[first..], whole);
+            }
         }
     }
 }
 
-/// The body of [`paths_of_row`]: with `MEET` detours meet others, without it they are `left`.
+/// The body of [`paths_of_row`].
 #[inline(always)]
-fn advance<S: Simd, const MEET: bool, const RISE: bool>(
+fn advance<S: Simd, const RISE: bool>(
     simd: S,
     row: &Row<'_>,
     states: &mut RowStates,
-    left: &mut [u8],
-    opposite: &[u8],
-    sums: &mut [u16],
+    mut detours: Detours<'_>,
 ) where
     S::u8s: Disparities<S>,
 {
@@ -278,8 +280,7 @@ fn advance<S: Simd, const MEET: bool, const RISE: bool>(
     // The vectors of a pixel that are wanted, and all that are there.
     let (vectors, all) = (count.div_ceil(width), pitch(count) / width);
     let last = vectors - 1;
-    let rest = last * width..count;
-    let half = rest.len() < width;
+    let whole = count.is_multiple_of(width);
     // In the order of the sweep, the next column of the image is the one before.
     let named = if reverse { [2, 1, 0, 3] } else { [0, 1, 2, 3] };
     let p2 = named.map(|path| &transitions.p2[path][..columns]);
@@ -299,11 +300,7 @@ fn advance<S: Simd, const MEET: bool, const RISE: bool>(
     let least = least0.iter_mut().zip(least1);
     for (at, ((states0, states1), (least0, least1))) in (0..columns).zip(from_above.zip(least)) {
         let x = if reverse { columns - 1 - at } else { at };
-        let pixel = x * count..(x + 1) * count;
-        let costs = &costs[pixel.clone()];
-        let left = if MEET { &mut [] } else { &mut left[pixel.clone()] };
-        let opposite = if MEET { &opposite[pixel.clone()] } else { &[] };
-        let sums = if MEET { &mut sums[pixel] } else { &mut [] };
+        let places = x * count..(x + 1) * count;
         let (states2, next) = states2[at * all..][..2 * all].split_at_mut(all);
         let column = Column {
             least: splat(simd, [replaced_least, *least1, least2[at + 1], along_least]),
@@ -312,22 +309,20 @@ fn advance<S: Simd, const MEET: bool, const RISE: bool>(
             p1: S::u8s::splat(simd, p1),
         };
         let mut pixel = Pixel {
-            costs,
+            costs: &costs[places.clone()],
             replaced: &mut *replaced,
             states: [&mut states0[..vectors], &mut states1[..vectors], &mut states2[..vectors]],
             next: &next[..vectors],
             along: &mut *along,
-            left,
-            opposite,
-            sums,
+            detours: detours.part(places),
         };
         let now = pixel.before(simd, 0);
         let mut walk = Walk { earlier: [none; 4], now, lowest: [none; 4] };
         for i in 0..last {
             let later = pixel.before(simd, i + 1);
-            pixel.step::<MEET, RISE>(simd, &column, &mut walk, i, later, true);
+            pixel.step::<RISE>(simd, &column, &mut walk, i, later, true);
         }
-        pixel.step::<MEET, RISE>(simd, &column, &mut walk, last, [none; 4], !half);
+        pixel.step::<RISE>(simd, &column, &mut walk, last, [none; 4], whole);
         replaced_least = *least0;
         *least0 = walk.lowest[0].reduce_min();
         *least1 = walk.lowest[1].reduce_min();
