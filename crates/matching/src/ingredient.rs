@@ -11,6 +11,8 @@ use crate::{MatchError, Preset};
 pub enum Ingredient {
     /// Vertical disparity found and taken out of the right image.
     VerticalAlignment,
+    /// Rows searched no farther than something is seen.
+    RowRanges,
     /// Differences of grey steps in the cost.
     Gradient,
     /// A large penalty that falls with the grey step.
@@ -48,8 +50,9 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// In the order of the stages.
-const BALANCED: [Ingredient; 13] = [
+const BALANCED: [Ingredient; 14] = [
     VerticalAlignment,
+    RowRanges,
     Gradient,
     AdaptiveP2,
     SubPixel,
@@ -65,8 +68,9 @@ const BALANCED: [Ingredient; 13] = [
 ];
 
 /// All of them but `Interpolation`: what it closes judges close better.
-const BEST: [Ingredient; 16] = [
+const BEST: [Ingredient; 17] = [
     VerticalAlignment,
+    RowRanges,
     Gradient,
     AdaptiveP2,
     Descriptors,
@@ -115,6 +119,11 @@ impl Ingredient {
                 "vertical-alignment",
                 "vertical disparity that rectification left is found and taken out of the right image",
                 "rows as they are",
+            ),
+            RowRanges => (
+                "row-ranges",
+                "rows are searched as far as something is seen at a quarter of the size",
+                "all rows are searched over the whole range",
             ),
             Gradient => {
                 ("gradient", "differences of grey steps beside the census", "the census alone")
@@ -261,7 +270,7 @@ mod tests {
         assert!(BALANCED.into_iter().filter(both).eq(BEST.into_iter().filter(both)));
         let error = "salt".parse::<Ingredient>().unwrap_err().to_string();
         assert!(
-            error.contains("`salt`, but it must be one of vertical-alignment, gradient, "),
+            error.contains("`salt`, but it must be one of vertical-alignment, row-ranges, "),
             "{error}"
         );
     }
