@@ -69,4 +69,23 @@ pub enum MatchError {
         /// Bytes allowed.
         limit: usize,
     },
+    /// The work does not fit the memory that the machine has.
+    #[error(
+        "{columns} x {rows} pixels and {disparities} disparities need at least {} MB, but this machine \
+         has {} MB: narrow the range, or match a box",
+        needed.div_ceil(1_000_000),
+        there / 1_000_000
+    )]
+    MachineMemory {
+        /// Columns of either image.
+        columns: usize,
+        /// Rows of either image.
+        rows: usize,
+        /// Disparities asked for.
+        disparities: usize,
+        /// Bytes needed.
+        needed: usize,
+        /// Bytes that there are, swap included.
+        there: usize,
+    },
 }

@@ -39,6 +39,7 @@ mod error;
 mod ingredient;
 mod kernels;
 mod limits;
+mod machine;
 mod matcher;
 mod optimization;
 mod options;
