@@ -476,13 +476,14 @@ impl Pipeline for SemiGlobalMatching {
 
         let judged = chooses && ingredients.has(Ingredient::PathMargin);
         let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
-        for y in 0..bounds.rows() {
-            let from = dx..dx + bounds.columns();
-            let to = bounds.x0..=bounds.x1;
-            let reasons = &mut map.reasons.row_mut(bounds.y0 + y)[to.clone()];
-            reasons.copy_from_slice(&self.left.map.reasons.row(dy + y)[from]);
-            let confidence = &mut map.confidence.row_mut(bounds.y0 + y)[to];
-            for (reason, confidence) in reasons.iter().zip(confidence) {
+        let answered = bounds.y0 * width..(bounds.y1 + 1) * width;
+        let reasons = map.reasons.samples_mut()[answered.clone()].par_chunks_exact_mut(width);
+        let confidence = map.confidence.samples_mut()[answered].par_chunks_exact_mut(width);
+        let known = &self.left.map.reasons;
+        reasons.zip(confidence).enumerate().for_each(|(y, (reasons, confidence))| {
+            let reasons = &mut reasons[bounds.x0..=bounds.x1];
+            reasons.copy_from_slice(&known.row(dy + y)[dx..dx + bounds.columns()]);
+            for (reason, confidence) in reasons.iter().zip(&mut confidence[bounds.x0..]) {
                 match reason {
                     Reason::Matched => {}
                     // Where no judge looks, the paths know nothing of what they do not see.
@@ -492,7 +493,7 @@ impl Pipeline for SemiGlobalMatching {
                     _ => *confidence *= FILLED,
                 }
             }
-        }
+        });
         // Reasons are read and written; what becomes of the confidence depends on them.
         let reasons = Work::bytes(2 * size_of::<Reason>());
         profile.end("answer", reasons * (bounds.columns() * bounds.rows()));

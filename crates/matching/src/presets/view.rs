@@ -69,14 +69,16 @@ impl View {
         let step = numbers.steps(GROUP_STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
         let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
-        for y in 0..rows {
-            for (run, size) in self.groups.runs(y) {
-                if size < LEAST_GROUP {
-                    values.row_mut(y)[run.clone()].fill(f32::NAN);
-                    reasons.row_mut(y)[run].fill(Reason::MismatchedHole);
-                }
+        let groups = &self.groups;
+        let rows = values.samples_mut().par_chunks_exact_mut(columns);
+        let rows = rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();
+        rows.for_each(|(y, (values, reasons))| {
+            let speckles = groups.runs(y).filter(|(_, size)| *size < LEAST_GROUP);
+            for (run, _) in speckles {
+                values[run.clone()].fill(f32::NAN);
+                reasons[run].fill(Reason::MismatchedHole);
             }
-        }
+        });
         checked + written + grouped + self.groups.looked_at()
     }
 
