@@ -503,8 +503,16 @@ pub(super) fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
 #[cold]
 #[inline(never)]
 fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    let last = row.len() as i64 - 1;
-    std::array::from_fn(|l| row[(start + l as i64).clamp(0, last) as usize])
+    let length = row.len() as i64;
+    let [from, to] = [start, start + LANES as i64].map(|end| end.clamp(0, length) as usize);
+    if from == to {
+        return [row[if start < 0 { 0 } else { row.len() - 1 }]; LANES];
+    }
+    let before = (from as i64 - start) as usize;
+    let mut run = [row[to - 1]; LANES];
+    run[..before].fill(row[from]);
+    run[before..][..to - from].copy_from_slice(&row[from..to]);
+    run
 }
 
 /// 1 for columns from `start` on that lie inside a row of so many, 0 for others.
@@ -535,4 +543,22 @@ fn settled(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
         settled[l] = (reasons[l] == Reason::Matched) & !doubtful[l];
     }
     settled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_repeat_the_ends_of_a_row() {
+        for length in [1, 5, LANES, 40] {
+            let row: Vec<usize> = (0..length).collect();
+            for start in -40..60 {
+                let expected: [usize; LANES] = std::array::from_fn(|l| {
+                    (start + l as i64).clamp(0, length as i64 - 1) as usize
+                });
+                assert_eq!(run(&row, start), expected, "from {start} of {length}");
+            }
+        }
+    }
 }
