@@ -4,8 +4,8 @@
 #[cfg(target_os = "linux")]
 pub(crate) fn memory() -> Option<usize> {
     let told = rustix::system::sysinfo();
-    let units = u64::from(told.totalram) + u64::from(told.totalswap);
-    usize::try_from(units * u64::from(told.mem_unit)).ok()
+    let units = (told.totalram as usize).checked_add(told.totalswap as usize)?;
+    units.checked_mul(told.mem_unit as usize)
 }
 
 #[cfg(not(target_os = "linux"))]

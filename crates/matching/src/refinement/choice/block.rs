@@ -6,9 +6,10 @@
 
 use raster::{Plane, Reason, View};
 
-use super::certainty;
+use super::notes::Note;
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, in_turns, say_the_same};
+use super::slopes::{rise, steep};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
 use crate::kernels::level::Level;
@@ -140,47 +141,6 @@ pub(super) struct Block {
     places: &'static [Place],
 }
 
-/// What was seen of where a candidate comes from, in one word: that is taken from block to block quickly.
-/// From the lowest bit on the difference of grey to there, how sure it is, how much the grey changes on the
-/// way, whether it was filled, and whether in doubt.
-#[derive(Debug, Clone, Copy, Default)]
-struct Note(u32);
-
-impl Note {
-    #[inline(always)]
-    fn new(shade: u8, certainty: u8, edges: u16, filled: bool, doubtful: bool) -> Self {
-        // More does not count.
-        let edges = if edges < 1023 { edges } else { 1023 };
-        let sure = u32::from(shade) | u32::from(certainty) << 8;
-        Self(sure | u32::from(edges) << 16 | u32::from(filled) << 26 | u32::from(doubtful) << 27)
-    }
-
-    #[inline(always)]
-    fn shade(self) -> f32 {
-        (self.0 & 0xff) as f32 * 0.05
-    }
-
-    #[inline(always)]
-    fn confidence(self) -> f32 {
-        certainty::share((self.0 >> 8) as u8)
-    }
-
-    #[inline(always)]
-    fn edges(self) -> f32 {
-        bent((self.0 >> 16 & 0x3ff) as f32 * 0.05)
-    }
-
-    #[inline(always)]
-    fn filled(self) -> f32 {
-        (self.0 >> 26 & 1) as f32
-    }
-
-    #[inline(always)]
-    fn doubt(self) -> f32 {
-        (self.0 >> 27 & 1) as f32
-    }
-}
-
 /// A candidate that is heard in full.
 const HEARD: f32 = 16384.0;
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
@@ -233,17 +193,16 @@ impl Block {
             let (u, row) = place.seen_from(x, y, rows);
             let v = row.unwrap_or(y);
             let values = run(scene.values.row(v), u);
-            let along = run(scene.strip.slopes.along.row(scene.strip.row(v)), u);
-            let down = run(scene.strip.slopes.down.row(scene.strip.row(v)), u);
-            let [dx, dy] = place.pixels(reach.every);
+            let slopes = run(scene.strip.slopes.row(scene.strip.row(v)), u);
+            let way = place.pixels(reach.every);
             let inside = if row.is_some() { inside(u, columns) } else { NONE };
             let disparities = &mut self.disparities[k];
             for l in 0..LANES {
-                let d = values[l] - (along[l] * dx + down[l] * dy);
+                let d = values[l] - rise(slopes[l], way);
                 let d = if inside[l] > 0.0 { d } else { here[l] };
                 let d = if d < least { least } else { d };
                 disparities[l] = if d > most { most } else { d };
-                self.steep[k][l] = along[l].abs() + down[l].abs();
+                self.steep[k][l] = steep(slopes[l]);
             }
             self.inside[k] = inside;
             for l in 0..LANES {
@@ -278,25 +237,17 @@ impl Block {
     #[inline(always)]
     pub fn look(&mut self, scene: &Scene<'_>) {
         let (x, y) = (self.columns[0], self.y);
-        let Scene { strip, given, .. } = scene;
+        let strip = scene.strip;
         let grey_here = run(strip.grey.row(strip.row(y)), x as i64);
         for (k, place) in self.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, scene.values.rows());
             let v = row.unwrap_or(y);
-            let reasons = run(scene.reasons.row(v), u);
-            let grey = run(strip.grey.row(strip.row(v)), u);
+            let notes = run(strip.notes.row(strip.row(v)), u);
             let sums_here = run(strip.edges.row(place.way, strip.row(y)), x as i64);
             let sums = run(strip.edges.row(place.way, strip.row(v)), u);
-            let certainty = run(scene.certainty.row(v), u);
-            let doubtful = doubtful(given, u, v);
             for l in 0..LANES {
-                self.notes[k][l] = Note::new(
-                    grey[l].abs_diff(grey_here[l]),
-                    certainty[l],
-                    (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs(),
-                    reasons[l] != Reason::Matched,
-                    doubtful[l],
-                );
+                let edges = (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs();
+                self.notes[k][l] = notes[l].seen(grey_here[l], edges);
             }
         }
         let reasons = run(scene.reasons.row(y), x as i64);
@@ -432,7 +383,7 @@ impl Block {
             let note = self.notes[k][l];
             let shade = 1.0 - note.shade() * 1.25;
             let shade = if shade < 0.05 { 0.05 } else { shade };
-            let edges = note.edges();
+            let edges = changes(note);
             weights[0][l] = nearest(inside);
             weights[1][l] = nearest(inside * shade);
             weights[2][l] = nearest(inside * (note.confidence() + 0.01));
@@ -466,7 +417,7 @@ impl Block {
             hints[3][l] = note.filled();
             hints[4][l] = note.doubt();
             hints[5][l] = note.shade();
-            hints[17][l] = note.edges();
+            hints[17][l] = changes(note);
             hints[11][l] = self.votes[k][0][l] as f32 * self.scales[0][l];
             hints[12][l] = self.votes[k][1][l] as f32 * self.scales[1][l];
             hints[18][l] = self.votes[k][2][l] as f32 * self.scales[2][l];
@@ -484,6 +435,12 @@ fn bent(difference: f32) -> f32 {
     let near = if far < 3.0 { far } else { 3.0 };
     let far = if far < 48.0 { far } else { 48.0 };
     (0.4 * near + 0.05 * far).copysign(difference)
+}
+
+/// How much the grey changes on the way to a candidate, as a judge sees it.
+#[inline(always)]
+fn changes(note: Note) -> f32 {
+    bent(note.edges() * 0.05)
 }
 
 #[inline(always)]

@@ -21,6 +21,7 @@ mod jury;
 mod lesson;
 mod looks;
 mod moved;
+mod notes;
 mod reach;
 mod relations;
 mod rounds;
@@ -233,7 +234,6 @@ mod tests {
 
         /// With noise of so many grey levels.
         fn textured(values: Plane<f32>, texture: f32) -> Self {
-            let level = Level::available()[0];
             let mut chance = Chance(3);
             let grey = Plane::from_fn(WIDTH + 20, ROWS, |_, _| (texture * chance.share()) as u8);
             let shade = |x: usize, y: usize, d: f32| grey.row(y)[x].saturating_add(4 * d as u8);
@@ -254,11 +254,18 @@ mod tests {
                 strip: Strip::default(),
                 values,
             };
-            let mut strip = Strip::default();
-            strip.look(level, &world.given(), &WIDE, world.values.size(), &(0..ROWS));
-            strip.slope(level, &world.values);
-            world.strip = strip;
+            world.see(&WIDE, &world.values.clone());
             world
+        }
+
+        /// Looks at the images again, and at what is known of the pixels; slopes are those of a map.
+        fn see(&mut self, reach: &Reach, slopes_of: &Plane<f32>) {
+            let level = Level::available()[0];
+            let mut strip = Strip::default();
+            let given = self.given();
+            strip.look(level, &given, reach, self.values.size(), &(0..self.values.rows()));
+            strip.know(level, &given, slopes_of, &self.certainty, &self.reasons);
+            self.strip = strip;
         }
 
         fn given(&self) -> Given<'_> {
@@ -323,6 +330,7 @@ mod tests {
         let (x, y) = (66 - FIRST, 20);
         world.reasons.row_mut(y)[x] = Reason::MismatchedFilled;
         world.doubtful.row_mut(y)[x] = true;
+        world.see(&WIDE, &world.values.clone());
         let known = Known::of(Level::detect(), &world.scene(&world.given()), &WIDE, (x, y));
         let known = known.expect("there is a choice");
         let at = |d: f32| known.disparities.iter().position(|&other| other == d).unwrap();
@@ -361,6 +369,7 @@ mod tests {
             World::new(Plane::from_fn(COLUMNS, ROWS, |x, _| if x < 40 { 4.0 } else { 12.0 }));
         assert!(!has_choice(&world, (52, 20)));
         world.doubtful.row_mut(20)[52] = true;
+        world.see(&WIDE, &world.values.clone());
         assert!(has_choice(&world, (52, 20)));
     }
 
@@ -388,6 +397,7 @@ mod tests {
                 *reason =
                     [Reason::Matched, Reason::OccludedFilled, Reason::OutsideRightFilled][i % 3];
             }
+            world.see(&WIDE, &world.values.clone());
             let choices = |level, threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| world.judged(level, (*reach, judge), threads))
@@ -434,12 +444,8 @@ mod tests {
         some.certainty = second(&all.certainty);
         some.doubtful = second(&all.doubtful);
         for (world, reach) in [(&mut all, &wide), (&mut some, &NARROW)] {
-            let mut strip = Strip::default();
-            let rows = 0..world.values.rows();
-            strip.look(level, &world.given(), reach, world.values.size(), &rows);
             // Between pixels nothing is known of slopes.
-            strip.slope(level, &world.values.map(|_| 5.0));
-            world.strip = strip;
+            world.see(reach, &world.values.map(|_| 5.0));
         }
         let mut known = 0;
         for (y, x) in (0..ROWS / 2).flat_map(|y| (0..COLUMNS / 2).map(move |x| (y, x))) {
@@ -506,6 +512,7 @@ mod tests {
                 world.reasons.row_mut(y)[64 - FIRST..70 - FIRST].fill(Reason::OccludedFilled);
                 world.certainty.row_mut(y)[64 - FIRST..70 - FIRST].fill(0);
             }
+            world.see(&WIDE, &world.values.clone());
             let wrong = |values: &Plane<f32>| {
                 let rows = 5..ROWS - 5;
                 let pixels = rows.flat_map(|y| (0..COLUMNS).map(move |x| (x, y)));

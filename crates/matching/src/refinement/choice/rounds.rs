@@ -149,7 +149,7 @@ impl Choices {
                 if round == 0 || several {
                     done = done + strip.look(level, given, reach, values.size(), &rows);
                 }
-                done = done + strip.slope(level, values);
+                done = done + strip.know(level, given, values, certainty, reasons);
                 let scene = Scene { values, reasons, certainty, strip, given };
                 let moved = (round > 0).then_some(&*moved);
                 let judge = (reach, judge);
@@ -186,7 +186,7 @@ impl Choices {
         let pixels = lesson.pick(values, every);
         for rows in Strip::all(values.rows()) {
             strip.look(level, given, jury.reach, values.size(), &rows);
-            strip.slope(level, values);
+            strip.know(level, given, values, certainty, reasons);
             let scene = Scene { values, reasons, certainty, strip, given };
             lesson.learn(level, &scene, jury.reach, &pixels, &rows);
         }

@@ -24,11 +24,13 @@ const STEPS: f32 = 32768.0;
 /// Keeps slopes above zero, where the order of numbers with a sign is that of numbers without.
 const ZERO: i32 = 32768;
 
-/// The slopes of a map, or of some of its rows: changes per column and per row.
+/// Changes per column and per row, in steps.
+pub(crate) type Slope = [i16; 2];
+
+/// The slopes of a map, or of some of its rows.
 #[derive(Default)]
 pub(crate) struct Slopes {
-    pub along: Plane<f32>,
-    pub down: Plane<f32>,
+    slopes: Plane<Slope>,
     bands: Vec<Band>,
 }
 
@@ -37,14 +39,14 @@ pub(crate) struct Slopes {
 struct Band {
     along: [Vec<u16>; SIDE],
     down: [Vec<u16>; SIDE],
-    medians: Vec<u16>,
+    medians: [Vec<u16>; 2],
 }
 
 impl Slopes {
     /// What they take of a map of so many columns and rows.
     pub fn bytes(columns: usize, rows: usize) -> usize {
-        let bands = rayon::current_num_threads() * (2 * SIDE + 1) * size_of::<u16>() * columns;
-        2 * size_of::<f32>() * columns * rows + bands
+        let bands = rayon::current_num_threads() * (2 * SIDE + 2) * size_of::<u16>() * columns;
+        size_of::<Slope>() * columns * rows + bands
     }
 
     /// The slopes per pixel of some rows of a map, whose samples are so many pixels apart.
@@ -56,28 +58,33 @@ impl Slopes {
         rows: Range<usize>,
     ) -> Work {
         let columns = values.columns();
-        let Self { along, down, bands } = self;
-        along.reshape(columns, rows.len(), 0.0);
-        down.reshape(columns, rows.len(), 0.0);
+        let Self { slopes, bands } = self;
+        slopes.reshape(columns, rows.len(), [0; 2]);
         let threads = rayon::current_num_threads();
         bands.resize_with(threads, Band::default);
         bands.iter_mut().for_each(|band| band.reset(columns));
         let height = rows.len().div_ceil(threads);
         let share = 1.0 / (4 * apart) as f32;
-        let along = along.samples_mut().par_chunks_mut(height * columns);
-        let down = down.samples_mut().par_chunks_mut(height * columns);
-        along.zip(down).zip(bands).enumerate().for_each(|(i, ((along, down), band))| {
-            band.slopes(level, (values, share), rows.start + i * height, along, down);
+        let slopes = slopes.samples_mut().par_chunks_mut(height * columns);
+        slopes.zip(bands).enumerate().for_each(|(i, (slopes, band))| {
+            band.slopes(level, (values, share), rows.start + i * height, slopes);
         });
         let pixels = columns * rows.len();
-        Work::bytes(3 * 4 * pixels) + Work::operations(2 * median::OPERATIONS) * pixels
+        Work::bytes((size_of::<f32>() + size_of::<Slope>()) * pixels)
+            + Work::operations(2 * median::OPERATIONS) * pixels
+    }
+
+    /// Those of a row.
+    #[inline(always)]
+    pub fn row(&self, y: usize) -> &[Slope] {
+        self.slopes.row(y)
     }
 }
 
 impl Band {
     fn reset(&mut self, columns: usize) {
         let Self { along, down, medians } = self;
-        for row in along.iter_mut().chain(down).chain([medians]) {
+        for row in along.iter_mut().chain(down).chain(medians) {
             row.reserve_exact(columns.saturating_sub(row.len()));
             row.resize(columns, 0);
         }
@@ -89,14 +96,12 @@ impl Band {
         level: Level,
         (values, share): (&Plane<f32>, f32),
         first: usize,
-        along: &mut [f32],
-        down: &mut [f32],
+        slopes: &mut [Slope],
     ) {
         let (columns, rows) = values.size();
         let last = rows - 1;
         let mut next = first.saturating_sub(REACH);
-        let slopes = along.chunks_exact_mut(columns).zip(down.chunks_exact_mut(columns));
-        for (y, (along, down)) in (first..).zip(slopes) {
+        for (y, slopes) in (first..).zip(slopes.chunks_exact_mut(columns)) {
             while next <= (y + REACH).min(last) {
                 let place = next % SIDE;
                 differences_along(level, values.row(next), share, &mut self.along[place]);
@@ -111,11 +116,13 @@ impl Band {
             }
             let near: [usize; SIDE] =
                 std::array::from_fn(|j| (y + j).saturating_sub(REACH).min(last) % SIDE);
-            for (differences, slopes) in [(&self.along, along), (&self.down, down)] {
+            for (differences, medians) in
+                [&self.along, &self.down].into_iter().zip(&mut self.medians)
+            {
                 let window = near.map(|place| &differences[place][..]);
-                median_of_5_rows(level, window, &mut self.medians);
-                in_units(level, &self.medians, slopes);
+                median_of_5_rows(level, window, medians);
             }
+            side_by_side(level, &self.medians[0], &self.medians[1], slopes);
         }
     }
 }
@@ -144,11 +151,24 @@ at_every_level! {
         out[columns - REACH..].fill(last);
     }
 
-    fn in_units(medians: &[u16], slopes: &mut [f32]) {
-        for (slope, &median) in slopes.iter_mut().zip(medians) {
-            *slope = (i32::from(median) - ZERO) as f32 * (1.0 / STEPS);
+    fn side_by_side(along: &[u16], down: &[u16], slopes: &mut [Slope]) {
+        for (slope, (&along, &down)) in slopes.iter_mut().zip(along.iter().zip(down)) {
+            *slope = [along, down].map(|median| (i32::from(median) - ZERO) as i16);
         }
     }
+}
+
+/// By how much planes of a slope rise on the way over so many columns and rows, in pixels of disparity. A slope
+/// is at most half of what 16 bits hold, so every number on the way is exact.
+#[inline(always)]
+pub(super) fn rise([along, down]: Slope, [columns, rows]: [f32; 2]) -> f32 {
+    (f32::from(along) * columns + f32::from(down) * rows) * (1.0 / STEPS)
+}
+
+/// How steep a plane is, the sum of both ways.
+#[inline(always)]
+pub(super) fn steep([along, down]: Slope) -> f32 {
+    (f32::from(along).abs() + f32::from(down).abs()) * (1.0 / STEPS)
 }
 
 /// A slope in steps, clamped, which does not change which of several is the median.
@@ -213,13 +233,12 @@ mod tests {
                         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                     pool.install(|| slopes.compute(level, &values, apart, part.clone()));
                     for (y, x) in part.clone().flat_map(|y| (0..columns).map(move |x| (y, x))) {
-                        let [along, down] =
-                            [&slopes.along, &slopes.down].map(|s| s.row(y - part.start)[x]);
-                        assert_eq!(
-                            (along, down),
-                            slopes_at(&values, apart, x, y),
-                            "column {x}, row {y}"
-                        );
+                        let slope = slopes.row(y - part.start)[x];
+                        let (along, down) = slopes_at(&values, apart, x, y);
+                        assert_eq!(rise(slope, [1.0, 0.0]), along, "column {x}, row {y}");
+                        assert_eq!(rise(slope, [0.0, 1.0]), down, "column {x}, row {y}");
+                        assert_eq!(rise(slope, [-7.0, 24.0]), -7.0 * along + 24.0 * down);
+                        assert_eq!(steep(slope), along.abs() + down.abs());
                     }
                 }
             }

@@ -3,11 +3,12 @@
 
 use std::ops::Range;
 
-use raster::Plane;
+use raster::{Plane, Reason};
 
 use super::block::Given;
 use super::edges::Edges;
 use super::looks::Looks;
+use super::notes::Notes;
 use super::reach::Reach;
 use super::slopes::Slopes;
 use super::sparse::take_every;
@@ -32,6 +33,7 @@ pub(crate) struct Strip {
     /// The grey values of the left image.
     pub grey: Plane<u8>,
     pub edges: Edges,
+    pub notes: Notes,
 }
 
 impl Strip {
@@ -40,7 +42,8 @@ impl Strip {
         let rows = Self::height(rows, reach);
         let looks = 2 * 2 * width * reach.every * rows;
         let pixels = columns * rows;
-        looks + Slopes::bytes(columns, rows) + pixels + Edges::bytes(pixels)
+        let notes = Notes::bytes(pixels);
+        looks + Slopes::bytes(columns, rows) + pixels + Edges::bytes(pixels) + notes
     }
 
     /// How many rows it has where the map has so many.
@@ -88,10 +91,19 @@ impl Strip {
             + self.edges.compute(level, &self.grey)
     }
 
-    /// Finds the slopes of the map in the rows that were looked at.
-    pub fn slope(&mut self, level: Level, values: &Plane<f32>) -> Work {
+    /// Finds the slopes of the map in the rows that were looked at, and notes what is known of its pixels.
+    pub fn know(
+        &mut self,
+        level: Level,
+        given: &Given<'_>,
+        values: &Plane<f32>,
+        certainty: &Plane<u8>,
+        reasons: &Plane<Reason>,
+    ) -> Work {
         let rows = self.top..self.top + self.grey.rows();
-        self.slopes.compute(level, values, self.every, rows)
+        let Self { top, every, slopes, grey, notes, .. } = self;
+        slopes.compute(level, values, *every, rows)
+            + notes.take(level, *top, grey, certainty, reasons, given.doubtful)
     }
 
     /// Where row `y` of the map lies in it.
@@ -141,7 +153,10 @@ mod tests {
                 most: 60.0,
             };
             let level = Level::detect();
+            let certainty = values.map(|&value| value as u8);
+            let reasons = values.map(|_| Reason::Matched);
             let (mut slopes, mut edges) = (Slopes::default(), Edges::default());
+            let mut notes = Notes::default();
             let mut looks = [Looks::default(), Looks::default()];
             slopes.compute(level, &values, every, 0..rows);
             for (looks, grey) in looks.iter_mut().zip(given.grey) {
@@ -150,19 +165,20 @@ mod tests {
             let grey =
                 Plane::from_fn(columns, rows, |x, y| left.row(TOP + every * y)[3 + every * x]);
             edges.compute(level, &grey);
+            notes.take(level, 0, &grey, &certainty, &reasons, given.doubtful);
             let mut strip = Strip::default();
             let mut seen = 0;
             for rows_of_strip in Strip::all(rows) {
                 assert_eq!(rows_of_strip.start, seen);
                 seen = rows_of_strip.end;
                 strip.look(level, &given, reach, values.size(), &rows_of_strip);
-                strip.slope(level, &values);
+                strip.know(level, &given, &values, &certainty, &reasons);
                 let reached = rows_of_strip.start.saturating_sub(reach.rows())
                     ..(rows_of_strip.end + reach.rows()).min(rows);
                 for y in reached {
                     let row = strip.row(y);
-                    assert_eq!(strip.slopes.along.row(row), slopes.along.row(y));
-                    assert_eq!(strip.slopes.down.row(row), slopes.down.row(y));
+                    assert_eq!(strip.slopes.row(row), slopes.row(y));
+                    assert_eq!(strip.notes.row(row), notes.row(y));
                     let row_of_looks = strip.row_of_looks(y);
                     assert_eq!(strip.base.row(row_of_looks), looks[0].row(every * y));
                     assert_eq!(strip.other.row(row_of_looks), looks[1].row(every * y));
