@@ -6,6 +6,7 @@
 
 use raster::{Plane, Reason, View};
 
+use super::edges::WAYS;
 use super::notes::Note;
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, in_turns, say_the_same};
@@ -239,14 +240,17 @@ impl Block {
         let (x, y) = (self.columns[0], self.y);
         let strip = scene.strip;
         let grey_here = run(strip.grey.row(strip.row(y)), x as i64);
+        let mut sums_here = [[0; LANES]; WAYS];
+        for (way, sums) in sums_here.iter_mut().enumerate() {
+            *sums = run(strip.edges.row(way, strip.row(y)), x as i64);
+        }
         for (k, place) in self.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, scene.values.rows());
             let v = row.unwrap_or(y);
             let notes = run(strip.notes.row(strip.row(v)), u);
-            let sums_here = run(strip.edges.row(place.way, strip.row(y)), x as i64);
             let sums = run(strip.edges.row(place.way, strip.row(v)), u);
             for l in 0..LANES {
-                let edges = (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs();
+                let edges = (sums_here[place.way][l].wrapping_sub(sums[l]) as i16).unsigned_abs();
                 self.notes[k][l] = notes[l].seen(grey_here[l], edges);
             }
         }

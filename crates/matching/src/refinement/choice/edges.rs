@@ -15,7 +15,7 @@ const NOISE: u8 = 3;
 const LARGEST: u8 = 40;
 
 /// The ways that there are.
-const WAYS: usize = 4;
+pub(super) const WAYS: usize = 4;
 
 /// Of each way, per pixel the sum of the steps before it. Sums wrap around, as do their differences.
 #[derive(Default)]
