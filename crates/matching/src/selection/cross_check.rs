@@ -79,24 +79,34 @@ at_every_level! {
                 }
             }
         }
-        // Beside what is pointed at too.
-        let mut before = Reason::OccludedHole;
-        for x in 0..columns {
-            let here = reasons[x];
-            let after = reasons.get(x + 1).copied().unwrap_or(Reason::OccludedHole);
-            let is_seen = [before, here, after].contains(&Reason::MismatchedHole);
-            reasons[x] = if is_seen { Reason::MismatchedHole } else { Reason::OccludedHole };
-            before = here;
-        }
-        let rows = values.chunks_mut(BLOCK).zip(reasons.chunks_mut(BLOCK));
-        for (i, (values, reasons)) in rows.enumerate() {
+        // What is pointed at, from the pixel before a block to the one after it.
+        let mut pointed = [Reason::OccludedHole; BLOCK + 2];
+        for (i, values) in values.chunks_mut(BLOCK).enumerate() {
+            let start = i * BLOCK;
             block[..values.len()].copy_from_slice(values);
-            let off = disagreements_of_block(width, &block, first + i * BLOCK, other, other_first);
-            for x in 0..values.len() {
-                let is_match = off[x] <= TOLERANCE;
-                reasons[x] = if is_match { Reason::Matched } else { reasons[x] };
-                values[x] = if is_match { block[x] } else { f32::NAN };
+            let off = disagreements_of_block(width, &block, first + start, other, other_first);
+            let mut confirmed = [f32::NAN; BLOCK];
+            for x in 0..BLOCK {
+                confirmed[x] = if off[x] <= TOLERANCE { block[x] } else { f32::NAN };
             }
+            values.copy_from_slice(&confirmed[..values.len()]);
+
+            pointed[0] = pointed[BLOCK];
+            let end = columns.min(start + BLOCK + 1);
+            pointed[1..].fill(Reason::OccludedHole);
+            pointed[1..][..end - start].copy_from_slice(&reasons[start..end]);
+            let mut told = [Reason::OccludedHole; BLOCK];
+            for x in 0..BLOCK {
+                // Beside what is pointed at too.
+                let is_seen = (pointed[x] == Reason::MismatchedHole)
+                    | (pointed[x + 1] == Reason::MismatchedHole)
+                    | (pointed[x + 2] == Reason::MismatchedHole);
+                told[x] = if is_seen { Reason::MismatchedHole } else { Reason::OccludedHole };
+            }
+            for x in 0..BLOCK {
+                told[x] = if off[x] <= TOLERANCE { Reason::Matched } else { told[x] };
+            }
+            reasons[start..start + values.len()].copy_from_slice(&told[..values.len()]);
         }
     }
 
