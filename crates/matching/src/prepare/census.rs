@@ -39,9 +39,7 @@ impl CensusRows {
             to.resize(padded, 0);
             let middle = &mut to[REACH_X..REACH_X + columns];
             match image {
-                GreyView::Depth8(view) => {
-                    middle.iter_mut().zip(view.row(from)).for_each(|(to, &v)| *to = v.into());
-                }
+                GreyView::Depth8(view) => widened(level, view.row(from), middle),
                 GreyView::Depth16(view) => middle.copy_from_slice(view.row(from)),
             }
             let (first, last) = (middle[0], middle[columns - 1]);
@@ -56,6 +54,12 @@ impl CensusRows {
 const LANES: usize = 32;
 
 at_every_level! {
+    fn widened(from: &[u8], to: &mut [u16]) {
+        for (to, &sample) in to.iter_mut().zip(from) {
+            *to = sample.into();
+        }
+    }
+
     /// Is the neighbour darker than the pixel? One bit each, in the order of reading.
     fn words_of_row(rows: [&[u16]; ROWS], words: &mut [u32]) {
         for (block, words) in words.chunks_mut(LANES).enumerate() {

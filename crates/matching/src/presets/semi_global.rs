@@ -16,7 +16,7 @@ use super::view::{Search, View, in_steps};
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::{RowRanges, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
-use crate::kernels::level::Level;
+use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
@@ -132,6 +132,20 @@ fn penalties(ingredients: Ingredients, grey: raster::View<'_, u8>) -> (Penalties
     }
     let steps = STEPS_OF_NOISE * (noise(grey) - LITTLE_NOISE).max(0.0);
     (Penalties { noise: steps.round_ties_even() as u8, ..PENALTIES }, noise::work(grey))
+}
+
+at_every_level! {
+    /// Lowers the confidence of what was filled. Where no judge looks, the paths know nothing of what they do
+    /// not see.
+    fn trust(judged: bool, reasons: &[Reason], confidence: &mut [f32]) {
+        let unseen = if judged { FILLED } else { 0.0 };
+        for (confidence, &reason) in confidence.iter_mut().zip(reasons) {
+            let hidden =
+                (reason == Reason::OccludedFilled) | (reason == Reason::OutsideRightFilled);
+            let filled = if hidden { unseen } else { FILLED };
+            *confidence *= if reason == Reason::Matched { 1.0 } else { filled };
+        }
+    }
 }
 
 /// The part of the image that is matched to answer a box.
@@ -484,16 +498,7 @@ impl Pipeline for SemiGlobalMatching {
         reasons.zip(confidence).enumerate().for_each(|(y, (reasons, confidence))| {
             let reasons = &mut reasons[bounds.x0..=bounds.x1];
             reasons.copy_from_slice(&known.row(dy + y)[dx..dx + bounds.columns()]);
-            for (reason, confidence) in reasons.iter().zip(&mut confidence[bounds.x0..]) {
-                match reason {
-                    Reason::Matched => {}
-                    // Where no judge looks, the paths know nothing of what they do not see.
-                    Reason::OccludedFilled | Reason::OutsideRightFilled if !judged => {
-                        *confidence = 0.0;
-                    }
-                    _ => *confidence *= FILLED,
-                }
-            }
+            trust(level, judged, reasons, &mut confidence[bounds.x0..=bounds.x1]);
         });
         // Reasons are read and written; what becomes of the confidence depends on them.
         let reasons = Work::bytes(2 * size_of::<Reason>());
