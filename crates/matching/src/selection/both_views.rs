@@ -47,7 +47,7 @@ impl Selection<'_> {
         self.winners.select(self.level, space, sums);
         let left = &mut self.left[row * columns..][..columns];
         let confidence = &mut self.confidence[row * space.width + space.first..][..columns];
-        let winners = &self.winners.left;
+        let winners = (&self.winners.left[..], &self.winners.margins[..]);
         let Self { level, sub_pixel, least_margin, .. } = *self;
         left_row(level, space, sub_pixel, least_margin, sums, winners, left, confidence);
         let right = &mut self.right[row * space.width..][..space.width];
@@ -55,7 +55,7 @@ impl Selection<'_> {
     }
 }
 
-/// So many winners are looked up one by one, then reckoned with together.
+/// So many winners are reckoned with together; only their sums are looked up one by one.
 const BLOCK: usize = 64;
 
 /// What a block of winners comes to.
@@ -63,33 +63,53 @@ struct Found {
     /// Disparities, counted from the smallest.
     disparity: [u16; BLOCK],
     is_match: [bool; BLOCK],
+    /// The columns that are answered in which their sums lie, where both disparities beside them are tried.
+    column: [u32; BLOCK],
+    is_inner: [bool; BLOCK],
     /// The sums before, at and after the winner; all zero at the ends of the range, where there is no
     /// fraction.
     sums: [[u16; BLOCK]; 3],
 }
 
 impl Found {
-    const NOTHING: Self =
-        Self { disparity: [0; BLOCK], is_match: [false; BLOCK], sums: [[0; BLOCK]; 3] };
-
-    /// Winner `i` is this one. Where both disparities beside it are tried, its sum is at this place and
-    /// theirs so far from it.
+    /// The matches among some winners. `inner` gets the disparity and the place among them of each, and says in
+    /// which column its sum lies and whether disparities on both sides are tried there.
     #[inline(always)]
-    fn look_up(
-        &mut self,
-        i: usize,
-        winner: Option<usize>,
-        place: Option<usize>,
-        apart: usize,
-        sums: &[u16],
-    ) {
-        self.is_match[i] = winner.is_some();
-        self.disparity[i] = winner.unwrap_or(0) as u16;
-        let [before, least, after] = match place {
-            Some(place) => [sums[place - apart], sums[place], sums[place + apart]],
-            None => [0; 3],
+    fn among(
+        winners: [Key; BLOCK],
+        is_sure: [bool; BLOCK],
+        inner: impl Fn(i32, i32) -> (i32, bool),
+    ) -> Self {
+        let mut found = Self {
+            disparity: [0; BLOCK],
+            is_match: [false; BLOCK],
+            column: [0; BLOCK],
+            is_inner: [false; BLOCK],
+            sums: [[0; BLOCK]; 3],
         };
-        (self.sums[0][i], self.sums[1][i], self.sums[2][i]) = (before, least, after);
+        for i in 0..BLOCK {
+            let is_match = (winners[i] != Key::NONE) & is_sure[i];
+            let disparity = winners[i].index();
+            let (column, is_inner) = inner(i32::from(disparity), i as i32);
+            found.disparity[i] = disparity;
+            found.is_match[i] = is_match;
+            found.column[i] = column as u32;
+            found.is_inner[i] = is_match & is_inner;
+        }
+        found
+    }
+
+    /// Looks up the sums of winners with disparities on both sides, which lie so far apart.
+    #[inline(always)]
+    fn look_up(&mut self, sums: &[u16], lanes: usize, apart: usize) {
+        for i in 0..BLOCK {
+            if self.is_inner[i] {
+                let place = self.column[i] as usize * lanes + usize::from(self.disparity[i]);
+                self.sums[0][i] = sums[place - apart];
+                self.sums[1][i] = sums[place];
+                self.sums[2][i] = sums[place + apart];
+            }
+        }
     }
 
     /// The disparities in pixels, NaN where there is none.
@@ -113,25 +133,30 @@ at_every_level! {
         sub_pixel: bool,
         least_margin: u16,
         sums: &[u16],
-        winners: &[(Key, u16)],
+        winners: (&[Key], &[u16]),
         values: &mut [f32],
         confidence: &mut [f32],
     ) {
-        let (mut found, mut pixels, mut sure) = (Found::NOTHING, [0.0; BLOCK], [0.0; BLOCK]);
+        let (winners, differences) = winners;
+        let (min, count) = (space.min, space.count as i32);
+        let (first_column, last_right) = (space.first as i32, space.width as i32 - 1);
+        let (mut pixels, mut sure) = ([0.0; BLOCK], [0.0; BLOCK]);
         let blocks = values.chunks_mut(BLOCK).zip(confidence.chunks_mut(BLOCK));
         for (block, (values, confidence)) in blocks.enumerate() {
             let first = block * BLOCK;
-            let mut margins = [0u16; BLOCK];
-            for (i, &(winner, margin)) in winners[first..].iter().take(BLOCK).enumerate() {
-                let x = first + i;
-                let candidates = space.candidates(space.first + x);
-                let winner = winner.disparity().filter(|_| margin >= least_margin);
-                let inner = winner.filter(|k| *k > candidates.start && k + 1 < candidates.end);
-                let place = inner.map(|k| x * space.lanes + k);
-                found.look_up(i, winner, place, 1, sums);
-                margins[i] = margin;
-            }
-            found.in_pixels(space.min, sub_pixel, &mut pixels);
+            let (mut keys, mut margins) = ([Key::NONE; BLOCK], [0u16; BLOCK]);
+            keys[..values.len()].copy_from_slice(&winners[first..][..values.len()]);
+            margins[..values.len()].copy_from_slice(&differences[first..][..values.len()]);
+            let is_sure = margins.map(|margin| margin >= least_margin);
+            let mut found = Found::among(keys, is_sure, |disparity, i| {
+                let column = first as i32 + i;
+                // The first and the last that are tried there, as `SearchSpace::candidates` has it.
+                let farthest = first_column + column - min;
+                let (lowest, highest) = ((farthest - last_right).max(0), farthest.min(count - 1));
+                (column, (disparity > lowest) & (disparity < highest))
+            });
+            found.look_up(sums, space.lanes, 1);
+            found.in_pixels(min, sub_pixel, &mut pixels);
             for i in 0..BLOCK {
                 sure[i] = f32::from(margins[i]) / (f32::from(margins[i]) + HALF_SURE);
             }
@@ -148,20 +173,21 @@ at_every_level! {
         winners: &[Key],
         values: &mut [f32],
     ) {
-        let (mut found, mut pixels) = (Found::NOTHING, [0.0; BLOCK]);
+        let (last, columns) = (space.count as i32 - 1, space.columns() as i32);
+        // The left column that disparity 0 of the first pixel meets.
+        let meets = space.width as i32 - 1 + space.min - space.first as i32;
+        let mut pixels = [0.0; BLOCK];
         for (block, values) in values.chunks_mut(BLOCK).enumerate() {
             let first = block * BLOCK;
-            for (i, winner) in winners[first..].iter().take(BLOCK).enumerate() {
-                let winner = winner.disparity();
-                let x = (space.width - 1 - first - i) as i64;
-                // The left column that it meets.
-                let column = x + i64::from(space.min) + winner.unwrap_or(0) as i64 - space.first as i64;
-                let inside = column > 0 && column + 1 < space.columns() as i64;
-                let inner = winner.filter(|k| inside && *k > 0 && k + 1 < space.count);
-                let place = inner.map(|k| column as usize * space.lanes + k);
-                // Its sums stand along a diagonal.
-                found.look_up(i, winner, place, space.lanes + 1, sums);
-            }
+            let mut keys = [Key::NONE; BLOCK];
+            keys[..values.len()].copy_from_slice(&winners[first..][..values.len()]);
+            let mut found = Found::among(keys, [true; BLOCK], |disparity, i| {
+                let column = meets - first as i32 - i + disparity;
+                let inside = (column > 0) & (column + 1 < columns);
+                (column, inside & (disparity > 0) & (disparity < last))
+            });
+            // Their sums stand along a diagonal.
+            found.look_up(sums, space.lanes, space.lanes + 1);
             found.in_pixels(space.min, sub_pixel, &mut pixels);
             values.copy_from_slice(&pixels[..values.len()]);
         }
@@ -182,7 +208,8 @@ mod tests {
         let value = |k: usize, tip: f32| {
             (space.min + k as i32) as f32 + if selection.sub_pixel { tip } else { 0.0 }
         };
-        let left = winners.left.iter().enumerate().map(|(x, &(winner, margin))| {
+        let known = winners.left.iter().zip(&winners.margins);
+        let left = known.enumerate().map(|(x, (winner, &margin))| {
             let candidates = space.candidates(space.first + x);
             let Some(k) = winner.disparity().filter(|_| margin >= selection.least_margin) else {
                 return f32::NAN;
@@ -191,7 +218,7 @@ mod tests {
             value(k, if inner { tip_of_v(sum(x, k - 1), sum(x, k), sum(x, k + 1)) } else { 0.0 })
         });
         let confidence =
-            winners.left.iter().map(|&(_, margin)| f32::from(margin) / (f32::from(margin) + 60.0));
+            winners.margins.iter().map(|&margin| f32::from(margin) / (f32::from(margin) + 60.0));
         let right = winners.right(space).iter().zip((0..space.width).rev()).map(|(winner, x)| {
             let Some(k) = winner.disparity() else { return f32::NAN };
             let column = (x as i64 + i64::from(space.min) + k as i64) as usize - space.first;

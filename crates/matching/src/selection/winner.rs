@@ -30,20 +30,27 @@ const _: () = assert!(LANES == 32, "five steps make one of as many");
 pub(crate) struct Key(u32);
 
 impl Key {
-    const NONE: Key = Key(u32::MAX);
+    pub const NONE: Key = Key(u32::MAX);
 
-    /// The disparity, counted from the smallest.
+    /// The disparity, counted from the smallest, if any could be tried.
+    #[inline(always)]
+    pub fn index(self) -> u16 {
+        self.0 as u16
+    }
+
+    #[cfg(test)]
     pub fn disparity(self) -> Option<usize> {
-        (self != Self::NONE).then_some((self.0 & 0xFFFF) as usize)
+        (self != Self::NONE).then_some(self.index().into())
     }
 }
 
 /// The winners of a row in both views, with their memory.
 #[derive(Debug, Default)]
 pub(crate) struct Winners {
-    /// Per column of the search space: its winner, and how much lower its sum lies than that of any
-    /// disparity but its neighbours; 0 without any other.
-    pub left: Vec<(Key, u16)>,
+    /// Per column of the search space: its winner.
+    pub left: Vec<Key>,
+    /// How much lower its sum lies than that of any disparity but its neighbours; 0 without any other.
+    pub margins: Vec<u16>,
     /// Keys of the right view, as it looks in a mirror, between two margins.
     right: Vec<Key>,
     block: Block,
@@ -85,12 +92,15 @@ impl Winners {
     /// Finds the winners of a row of sums, `space.lanes` per column.
     pub fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16]) {
         self.left.clear();
-        self.left.resize(space.columns(), (Key::NONE, 0));
+        self.left.resize(space.columns(), Key::NONE);
+        self.margins.clear();
+        self.margins.resize(space.columns(), 0);
         self.right.clear();
         self.right.resize(Self::keys(space), Key::NONE);
         self.block.right.resize(space.lanes + TAGS, NO_SUM);
         self.block.parts.resize(space.lanes.div_ceil(PART), Part::EMPTY);
-        select_row(level, space, sums, &mut self.left, &mut self.right, &mut self.block);
+        let Self { left, margins, right, block } = self;
+        select_row(level, space, sums, (left, margins), right, block);
     }
 
     /// The winners of the right view, which stands in a mirror.
@@ -114,12 +124,14 @@ at_every_level! {
     fn select_row(
         space: &SearchSpace,
         sums: &[u16],
-        left: &mut [(Key, u16)],
+        left: (&mut [Key], &mut [u16]),
         right: &mut [Key],
         block: &mut Block,
     ) {
-        let blocks = sums.chunks(TAGS * space.lanes).zip(left.chunks_mut(TAGS));
-        for (number, (sums, left)) in blocks.enumerate() {
+        let (left, margins) = left;
+        let blocks = sums.chunks(TAGS * space.lanes);
+        let blocks = blocks.zip(left.chunks_mut(TAGS)).zip(margins.chunks_mut(TAGS));
+        for (number, ((sums, left), margins)) in blocks.enumerate() {
             let first = space.first + number * TAGS;
             let columns = sums.len() / space.lanes;
             // Where two columns try all disparities, those between do.
@@ -141,7 +153,9 @@ at_every_level! {
                 }
             }
             if (first..).take(columns).any(|x| !space.candidates(x).is_empty()) {
-                select_block(&block.parts, left);
+                let (keys, differences) = select_block(&block.parts);
+                left.copy_from_slice(&keys[..columns]);
+                margins.copy_from_slice(&differences[..columns]);
                 // Where disparity 0 of the block's first column stands, and so many before.
                 let place = space.mirrored(first) + space.lanes as i64;
                 meet_block(&block.right, &mut right[place as usize..][..block.right.len()]);
@@ -197,7 +211,7 @@ fn meet_group<const ALL: bool>(
 
 /// The winners of a block and their margins.
 #[inline(always)]
-fn select_block(parts: &[Part], left: &mut [(Key, u16)]) {
+fn select_block(parts: &[Part]) -> ([Key; TAGS], [u16; TAGS]) {
     let mut winners = [Key::NONE.0; TAGS];
     for (part, first) in parts.iter().zip((0..).step_by(PART)) {
         let (least, lanes) = least_with_lane(&part.least);
@@ -231,9 +245,11 @@ fn select_block(parts: &[Part], left: &mut [(Key, u16)]) {
         let margin = (second[i] / TAGS as u16).wrapping_sub((winners[i] >> 16) as u16);
         margins[i] = if second[i] == NO_SUM { 0 } else { margin };
     }
-    for ((left, winner), margin) in left.iter_mut().zip(winners).zip(margins) {
-        *left = (Key(winner), margin);
+    let mut keys = [Key::NONE; TAGS];
+    for i in 0..TAGS {
+        keys[i] = Key(winners[i]);
     }
+    (keys, margins)
 }
 
 /// The least of the lanes of every column, and the first lane that has it.
@@ -342,7 +358,8 @@ mod tests {
                 let (left, right) = definition(&space, sums);
                 let mut winners = Winners::default();
                 winners.select(level, &space, sums);
-                let found = winners.left.iter().map(|&(key, m)| key.disparity().map(|k| (k, m)));
+                let found = winners.left.iter().zip(&winners.margins);
+                let found = found.map(|(key, &margin)| Some((key.disparity()?, margin)));
                 assert_eq!(found.collect::<Vec<_>>(), left, "{space:?}");
                 let found = winners.right(&space).iter().map(|key| key.disparity());
                 assert_eq!(found.collect::<Vec<_>>(), right, "{space:?}");
