@@ -15,7 +15,6 @@
 //! volume is one stretch with one band. (Griewank 1992 trades time for memory in this way where
 //! programs are differentiated in reverse.)
 
-use crate::kernels::aligned::LINE;
 use crate::kernels::path::RowStates;
 
 /// Rows between two checkpoints.
@@ -39,11 +38,6 @@ impl Volume {
     fn half(&self) -> usize {
         self.rows.div_ceil(2)
     }
-
-    /// Detours from one row to the next: each begins where a cache line does.
-    pub fn pitch(&self) -> usize {
-        (self.columns * self.lanes).next_multiple_of(LINE)
-    }
 }
 
 impl Bands {
@@ -59,7 +53,7 @@ impl Bands {
             plans.min_by_key(|plan| plan.bytes(volume)).expect("there are several")
         };
         let plans = [
-            Self::new(volume.rows, volume.rows),
+            Self::new(half, half),
             least(&mut (1..=half).map(|height| Self::new(half, height))),
             // At this stretch 3 n / s + 3 s / b is least.
             least(
@@ -109,7 +103,7 @@ impl Bands {
     pub fn bytes(&self, volume: &Volume) -> usize {
         let &Volume { columns, rows, lanes } = volume;
         let half = |rows: usize| {
-            let detours = self.height().min(rows) * volume.pitch();
+            let detours = self.height().min(rows) * columns * lanes;
             detours + self.checkpoints(rows) * RowStates::saved_bytes(columns, lanes)
         };
         half(rows / 2) + half(volume.half())
@@ -159,7 +153,7 @@ mod tests {
             |limit, rows| Bands::within(&volume(rows), |bands| bands.bytes(&volume(rows)) <= limit);
         let megabytes = |bands: Bands, rows| bands.bytes(&volume(rows)) / 1_000_000;
         let whole = of(usize::MAX, 2000);
-        assert_eq!((whole, megabytes(whole, 2000)), (Bands::new(2000, 2000), 1536));
+        assert_eq!((whole, megabytes(whole, 2000)), (Bands::new(1000, 1000), 1536));
         let one_level = of(200_000_000, 2000);
         assert_eq!((one_level.spacings[0], megabytes(one_level, 2000)), (1000, 164));
         let two_levels = of(150_000_000, 2000);

@@ -95,9 +95,6 @@ at_every_level! {
     }
 }
 
-/// What a pixel takes beside its disparities is as much as so many of them do.
-const OF_PIXEL: usize = 64;
-
 /// The memory of the optimisation, kept between frames.
 #[derive(Default)]
 pub struct SemiGlobal {
@@ -106,8 +103,6 @@ pub struct SemiGlobal {
     /// They do the work of these again, from checkpoints on.
     again: [Sweep; 2],
     trails: [Trail; 2],
-    /// What four paths add to the costs ([`paths_of_row`]): one half after the other.
-    detours: Aligned<u8>,
 }
 
 /// What one sweep carries from row to row.
@@ -128,6 +123,8 @@ struct Sweep {
 struct Trail {
     /// The steps whose detours are there; rows are counted in steps of the sweep.
     held: Range<usize>,
+    /// What four paths add to the costs ([`paths_of_row`]).
+    detours: Aligned<u8>,
     checkpoints: Checkpoints,
 }
 
@@ -147,14 +144,13 @@ impl<C: CostRows> Shared<'_, C> {
         if reverse { self.costs.rows() - 1 - step } else { step }
     }
 
-    /// The costs of all rows.
-    fn volume(&self) -> Volume {
-        let (columns, rows) = (self.costs.columns(), self.costs.rows());
-        Volume { columns, rows, lanes: padded(self.costs.count()) }
+    /// Costs in a row at the most.
+    fn pitch(&self) -> usize {
+        self.costs.columns() * padded(self.costs.count())
     }
 
     /// Costs in row `y`.
-    fn costs_in_row(&self, y: usize) -> usize {
+    fn pitch_of_row(&self, y: usize) -> usize {
         self.costs.columns() * padded(self.costs.count_in_row(y))
     }
 }
@@ -203,14 +199,14 @@ impl Sweep {
         if let Some(prior) = prior {
             prior.rises(shared.level, y, reverse, &mut self.transitions.rise);
         }
-        let length = shared.costs_in_row(y);
-        let (costs, detours) = (&mut self.costs[..length], &mut detours[..length]);
+        let pitch = shared.pitch_of_row(y);
+        let (costs, detours) = (&mut self.costs[..pitch], &mut detours[..pitch]);
         shared.costs.fill_row(y, costs);
         let detours = if last {
             // They lie far away: memory hands over a row in one go faster than in the order of a sweep.
-            let opposite = &mut self.opposite[..length];
+            let opposite = &mut self.opposite[..pitch];
             opposite.copy_from_slice(detours);
-            Detours::Meet { opposite, sums: &mut self.sums[..length] }
+            Detours::Meet { opposite, sums: &mut self.sums[..pitch] }
         } else {
             Detours::Leave(detours)
         };
@@ -235,21 +231,20 @@ impl Trail {
         sweep: &mut Sweep,
         shared: &Shared<'_, impl CostRows>,
         steps: Range<usize>,
-        detours: &mut [u8],
     ) {
         let Range { mut start, end } = steps;
-        let pitch = shared.volume().pitch();
+        let pitch = shared.pitch();
         while let Some(spacing) = shared.bands.next(end - start) {
             self.checkpoints.push(start, &sweep.states);
             for step in start..start + spacing {
                 // Not wanted yet: the next row replaces them.
-                let detours = &mut detours[..pitch];
+                let detours = &mut self.detours[..pitch];
                 sweep.advance(shared, shared.row(step, sweep.reverse), false, detours);
             }
             start += spacing;
         }
         self.held = start..end;
-        for (step, detours) in self.held.clone().zip(detours.chunks_exact_mut(pitch)) {
+        for (step, detours) in self.held.clone().zip(self.detours.chunks_exact_mut(pitch)) {
             sweep.advance(shared, shared.row(step, sweep.reverse), false, detours);
         }
     }
@@ -261,18 +256,17 @@ impl Trail {
         other: &mut Sweep,
         again: &mut Sweep,
         shared: &Shared<'_, impl CostRows>,
-        detours: &mut [u8],
         mut finish: impl FnMut(usize, &[u16]),
     ) {
         loop {
-            let rows = self.held.clone().zip(detours.chunks_exact_mut(shared.volume().pitch()));
+            let rows = self.held.clone().zip(self.detours.chunks_exact_mut(shared.pitch()));
             for (step, detours) in rows.rev() {
                 let y = shared.row(step, !other.reverse);
                 other.advance(shared, y, true, detours);
-                finish(y, &other.sums[..shared.costs_in_row(y)]);
+                finish(y, &other.sums[..shared.pitch_of_row(y)]);
             }
             let Some(checkpoint) = self.checkpoints.pop(&mut again.states) else { return };
-            self.follow(again, shared, checkpoint..self.held.start, detours);
+            self.follow(again, shared, checkpoint..self.held.start);
         }
     }
 }
@@ -283,7 +277,7 @@ impl<C: CostRows> Shared<'_, C> {
     /// by the other, which writes the sums and hands them on.
     fn work(&self) -> Work {
         let (columns, rows) = (self.costs.columns(), self.costs.rows());
-        let upper = SemiGlobal::middle(self.costs, self.bands);
+        let upper = SemiGlobal::middle(rows);
         let swept =
             rows + [upper, rows - upper].map(|half| self.bands.swept(half)).iter().sum::<usize>();
         let read = self.costs.bytes() / rows
@@ -292,9 +286,9 @@ impl<C: CostRows> Shared<'_, C> {
         // Of a row on average.
         let of_rows = |each: &dyn Fn(usize) -> usize| (0..rows).map(each).sum::<usize>() / rows;
         let pairs = of_rows(&|y| columns * self.costs.count_in_row(y));
-        let length = of_rows(&|y| self.costs_in_row(y));
+        let pitch = of_rows(&|y| self.pitch_of_row(y));
         let row = Work::bytes(read) + Work::operations(C::OPERATIONS + path::OPERATIONS) * pairs;
-        let met = Work::bytes(2 * (size_of::<u8>() + size_of::<u16>())) * length
+        let met = Work::bytes(2 * (size_of::<u8>() + size_of::<u16>())) * pitch
             + Work::operations(path::LAST_OPERATIONS) * pairs;
         row * swept + met * rows
     }
@@ -306,22 +300,9 @@ impl SemiGlobal {
         bands.bytes(volume) + 4 * Sweep::bytes(volume) + 2 * Sweep::finished_bytes(volume)
     }
 
-    /// The first row of the lower of the two halves that are finished side by side: as much is to be done
-    /// in either. Where rows are done again, one of them has half of the rows, so that their memory is known
-    /// before anybody has looked how far rows reach.
-    pub fn middle(costs: &impl CostRows, bands: Bands) -> usize {
-        let rows = costs.rows();
-        if bands.height() < rows {
-            return rows / 2;
-        }
-        let done = |y: usize| padded(costs.count_in_row(y)) + OF_PIXEL;
-        let all = (0..rows).map(done).sum::<usize>();
-        let mut above = 0;
-        let in_upper_half = |y: &usize| {
-            above += done(*y);
-            2 * above <= all
-        };
-        (0..rows).take_while(in_upper_half).count()
+    /// The first row of the lower of the two halves that are finished side by side.
+    pub fn middle(rows: usize) -> usize {
+        rows / 2
     }
 
     /// Optimises the costs along eight paths. `finish_upper(y, sums)` gets the rows above the middle
@@ -347,31 +328,28 @@ impl SemiGlobal {
             "the guide has the size of the costs"
         );
         let shared = Shared { level, costs, guide, prior, penalties: *penalties, bands };
-        let (pitch, middle) = (shared.volume().pitch(), Self::middle(costs, bands));
-        let halves = [middle, rows - middle];
+        let halves = [Self::middle(rows), rows - Self::middle(rows)];
         for (i, half) in halves.into_iter().enumerate() {
             let reverse = i == 1;
             self.sweeps[i].reset(reverse, columns, lanes);
-            self.sweeps[i].sums.resize(pitch, 0);
-            self.sweeps[i].opposite.resize(pitch, 0);
+            self.sweeps[i].sums.resize(shared.pitch(), 0);
+            self.sweeps[i].opposite.resize(shared.pitch(), 0);
             let checkpoints = bands.checkpoints(half);
             if checkpoints > 0 {
                 self.again[i].reset(reverse, columns, lanes);
             }
             self.trails[i].checkpoints.reset(checkpoints, columns, lanes);
+            self.trails[i].detours.resize(shared.pitch() * bands.height().min(half), 0);
         }
-        let held = halves.map(|half| pitch * bands.height().min(half));
-        self.detours.resize(held[0] + held[1], 0);
-        let Self { sweeps, again, trails: [upper, lower], detours } = self;
-        let ([down, up], [down_again, up_again]) = (sweeps, again);
-        let (of_upper, of_lower) = detours.split_at_mut(held[0]);
+        let Self { sweeps: [down, up], again: [down_again, up_again], trails: [upper, lower] } =
+            self;
         rayon::join(
-            || upper.follow(down, &shared, 0..halves[0], of_upper),
-            || lower.follow(up, &shared, 0..halves[1], of_lower),
+            || upper.follow(down, &shared, 0..halves[0]),
+            || lower.follow(up, &shared, 0..halves[1]),
         );
         rayon::join(
-            || lower.meet(down, up_again, &shared, of_lower, finish_lower),
-            || upper.meet(up, down_again, &shared, of_upper, finish_upper),
+            || lower.meet(down, up_again, &shared, finish_lower),
+            || upper.meet(up, down_again, &shared, finish_upper),
         );
         shared.work()
     }
@@ -500,7 +478,7 @@ mod tests {
         bands: Bands,
     ) -> Vec<Vec<u16>> {
         let mut found = vec![Vec::new(); given.rows()];
-        let middle = SemiGlobal::middle(given, bands);
+        let middle = SemiGlobal::middle(given.rows());
         let (upper, lower) = found.split_at_mut(middle);
         let finish = [(upper, 0), (lower, middle)]
             .map(|(rows, first)| move |y: usize, sums: &[u16]| rows[y - first] = sums.to_vec());
@@ -531,18 +509,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn the_middle_is_where_half_of_the_work_is_done() {
-        let counts = [[32; 6], [160; 6]].concat();
-        let (given, _) = given(3, &counts);
-        // Six rows of 96 and six of 224 are 1920 to be done, seven rows 800.
-        assert_eq!(SemiGlobal::middle(&given, Bands::new(12, 12)), 7);
-        // What is made again is planned before rows are known.
-        assert_eq!(SemiGlobal::middle(&given, Bands::new(12, 3)), 6);
-        let one_row = self::given(3, &[70]).0;
-        assert_eq!(SemiGlobal::middle(&one_row, Bands::new(1, 1)), 0);
     }
 
     #[test]

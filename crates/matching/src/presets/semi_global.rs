@@ -175,8 +175,7 @@ impl SemiGlobalMatching {
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
         let least_margin = if compared { UNIQUE } else { 0 };
         let guide = search.grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1);
-        let costs = self.features.costs(level, space, &self.ranges, doubtful);
-        let middle = SemiGlobal::middle(&costs, bands);
+        let middle = SemiGlobal::middle(work.rows());
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
         let confidence = confidence.split_at_mut(middle * space.width);
@@ -203,7 +202,7 @@ impl SemiGlobalMatching {
         });
         let paths = self.optimizer.run(
             level,
-            &costs,
+            &self.features.costs(level, space, &self.ranges, doubtful),
             guide,
             follow.then_some(&self.prior),
             &search.penalties,
