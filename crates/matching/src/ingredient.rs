@@ -11,8 +11,6 @@ use crate::{MatchError, Preset};
 pub enum Ingredient {
     /// Vertical disparity found and taken out of the right image.
     VerticalAlignment,
-    /// Rows searched no farther than something is seen.
-    RowRanges,
     /// Differences of grey steps in the cost.
     Gradient,
     /// A large penalty that falls with the grey step.
@@ -50,9 +48,8 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// In the order of the stages.
-const BALANCED: [Ingredient; 14] = [
+const BALANCED: [Ingredient; 13] = [
     VerticalAlignment,
-    RowRanges,
     Gradient,
     AdaptiveP2,
     SubPixel,
@@ -68,9 +65,8 @@ const BALANCED: [Ingredient; 14] = [
 ];
 
 /// All of them but `Interpolation`: what it closes judges close better.
-const BEST: [Ingredient; 17] = [
+const BEST: [Ingredient; 16] = [
     VerticalAlignment,
-    RowRanges,
     Gradient,
     AdaptiveP2,
     Descriptors,
@@ -119,11 +115,6 @@ impl Ingredient {
                 "vertical-alignment",
                 "vertical disparity that rectification left is found and taken out of the right image",
                 "rows as they are",
-            ),
-            RowRanges => (
-                "row-ranges",
-                "rows are searched as far as something is seen at a quarter of the size",
-                "all rows are searched over the whole range",
             ),
             Gradient => {
                 ("gradient", "differences of grey steps beside the census", "the census alone")
@@ -270,7 +261,7 @@ mod tests {
         assert!(BALANCED.into_iter().filter(both).eq(BEST.into_iter().filter(both)));
         let error = "salt".parse::<Ingredient>().unwrap_err().to_string();
         assert!(
-            error.contains("`salt`, but it must be one of vertical-alignment, row-ranges, "),
+            error.contains("`salt`, but it must be one of vertical-alignment, gradient, "),
             "{error}"
         );
     }

@@ -20,7 +20,7 @@ fn pair(columns: usize, rows: usize) -> [Plane<u8>; 2] {
 }
 
 fn options(preset: Preset, threads: usize, memory: Option<usize>) -> Options {
-    let mut options = Options::new(preset, DisparityRange::new(-2, 77).unwrap());
+    let mut options = Options::new(preset, DisparityRange::new(-2, 47).unwrap());
     (options.threads, options.memory) = (threads, memory);
     options
 }

@@ -20,9 +20,7 @@ fn every_ingredient_changes_what_its_preset_says() {
     let scene = room();
     for preset in [Preset::Balanced, Preset::Best] {
         let found = |without: &[Ingredient]| {
-            // Far wider than the room needs: rows are not searched all the way.
-            let range = raster::DisparityRange::new(0, 150).unwrap();
-            let mut options = Options::new(preset, range);
+            let mut options = Options::new(preset, scene.range);
             options.without = without.to_vec();
             let mut matcher = Matcher::new(options).unwrap();
             let map = matcher.compute(&scene.left, &scene.right, None).unwrap();
@@ -76,10 +74,7 @@ fn what_cannot_be_left_out_is_told_with_what_can() {
     let folder = tempfile::tempdir().unwrap();
     data(folder.path());
     for (arguments, words) in [
-        (
-            "engine --matcher best --without salt",
-            "it must be one of vertical-alignment, row-ranges,",
-        ),
+        ("engine --matcher best --without salt", "it must be one of vertical-alignment, gradient,"),
         ("engine --matcher balanced --without surface-prior", "`balanced` is made without it"),
         ("engine --matcher fast --without median", "nothing can be left out of `fast`"),
         ("bench --data data --ablation --matcher fast", "nothing can be left out of `fast`"),

@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 use raster::{Plane, View};
 use rayon::prelude::*;
 
-use super::{RowRanges, SearchSpace};
+use super::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{LANES, LARGEST_COST};
 use crate::optimization::semi_global::CostRows;
@@ -202,10 +202,9 @@ impl FeaturePair {
         &'a self,
         level: Level,
         space: &'a SearchSpace,
-        ranges: &'a RowRanges,
         doubtful: Option<&'a Plane<bool>>,
     ) -> CensusGradientRows<'a> {
-        CensusGradientRows { level, features: self, space, ranges, doubtful }
+        CensusGradientRows { level, features: self, space, doubtful }
     }
 }
 
@@ -214,7 +213,6 @@ pub(crate) struct CensusGradientRows<'a> {
     level: Level,
     features: &'a FeaturePair,
     space: &'a SearchSpace,
-    ranges: &'a RowRanges,
     doubtful: Option<&'a Plane<bool>>,
 }
 
@@ -230,11 +228,9 @@ at_every_level! {
         let FeaturePair { left, right, .. } = features;
         let (left_words, left_steps) = (left.words.row(y), left.steps.row(y));
         let (words, steps) = (right.words.row(y), right.steps.row(y));
-        // The right features' margins are as wide as any row needs.
-        let margin = (words.len() - space.width) / 2;
-        let farthest = (words.len() - space.lanes) as i64;
+        let farthest = (space.width + space.lanes) as i64;
         for (x, costs) in costs.chunks_exact_mut(space.lanes).enumerate() {
-            let place = space.mirrored(space.first + x) + margin as i64;
+            let place = space.mirrored(space.first + x) + space.lanes as i64;
             let place = place.clamp(0, farthest) as usize;
             let words = &words[place..place + space.lanes];
             let steps = &steps[place..place + space.lanes];
@@ -327,17 +323,13 @@ impl CostRows for CensusGradientRows<'_> {
         self.space.count
     }
 
-    fn count_in_row(&self, y: usize) -> usize {
-        self.ranges.of_row(self.space, y).count
-    }
-
     fn bytes(&self) -> usize {
         self.features.left.bytes() + self.features.right.bytes()
     }
 
     fn fill_row(&self, y: usize, costs: &mut [u8]) {
-        let (space, doubtful) = (self.ranges.of_row(self.space, y), self.doubtful);
-        row_costs(self.level, self.features, &space, y, doubtful.map(|all| all.row(y)), costs);
+        let doubtful = self.doubtful.map(|doubtful| doubtful.row(y));
+        row_costs(self.level, self.features, self.space, y, doubtful, costs);
     }
 }
 
@@ -376,8 +368,6 @@ mod tests {
             let bounds = BoundingBox::new(columns.0, 1, columns.1, 4).unwrap();
             let space = SearchSpace::new(40, bounds, range);
             let doubtful = Plane::from_fn(space.columns(), 4, |x, y| (x + y) % 3 == 0);
-            let mut ranges = RowRanges::default();
-            ranges.set([space.count, 32, 20, space.count].into_iter());
             for (level, doubtful) in
                 Level::available().into_iter().flat_map(|l| [(l, None), (l, Some(&doubtful))])
             {
@@ -385,10 +375,9 @@ mod tests {
                 let mut pair = FeaturePair::default();
                 pair.compute(level, views, &space, (1, 4));
                 pair.describe(level, views.map(|(view, _)| view), &space, 1);
-                let rows = pair.costs(level, &space, &ranges, doubtful);
+                let rows = pair.costs(level, &space, doubtful);
+                let mut costs = vec![0; space.columns() * space.lanes];
                 for y in 0..4 {
-                    let space = ranges.of_row(&space, y);
-                    let mut costs = vec![0; space.columns() * space.lanes];
                     rows.fill_row(y, &mut costs);
                     for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
                         let weights = match doubtful.map(|doubtful| doubtful.row(y)[x]) {

@@ -2,13 +2,11 @@
 
 pub(crate) mod absolute_difference;
 pub(crate) mod census_gradient;
-mod row_ranges;
 
 use std::ops::Range;
 
 use raster::{BoundingBox, DisparityRange};
 
-pub(crate) use self::row_ranges::RowRanges;
 use crate::kernels::path::padded;
 
 /// The columns of the left image that are answered, and the disparities that can be tried there.
@@ -40,12 +38,6 @@ impl SearchSpace {
         let max = i64::from(range.max()).min(last as i64);
         let count = (max - min + 1).max(0) as usize;
         Self { width, first, last, min: min as i32, count, lanes: padded(count) }
-    }
-
-    /// What of it there is in a row that has at most `count` of its disparities, from the smallest on.
-    pub fn up_to(self, count: usize) -> Self {
-        let count = count.min(self.count);
-        Self { count, lanes: padded(count), ..self }
     }
 
     /// How many columns are answered.

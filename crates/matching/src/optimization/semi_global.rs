@@ -30,13 +30,11 @@ pub trait CostRows: Sync {
     fn columns(&self) -> usize;
     /// Rows.
     fn rows(&self) -> usize;
-    /// Disparities per pixel at the most.
+    /// Disparities per pixel.
     fn count(&self) -> usize;
-    /// Those of the pixels of row `y`, from the same smallest one on: all, or whole groups.
-    fn count_in_row(&self, y: usize) -> usize;
     /// Bytes that all of them are made from.
     fn bytes(&self) -> usize;
-    /// The costs of row `y`: per column `padded(count_in_row)` bytes, those past `count_in_row` 255.
+    /// The costs of row `y`: per column `padded(count)` bytes, those past `count` 255.
     fn fill_row(&self, y: usize, costs: &mut [u8]);
 }
 
@@ -144,14 +142,9 @@ impl<C: CostRows> Shared<'_, C> {
         if reverse { self.costs.rows() - 1 - step } else { step }
     }
 
-    /// Costs in a row at the most.
+    /// Costs in a row.
     fn pitch(&self) -> usize {
         self.costs.columns() * padded(self.costs.count())
-    }
-
-    /// Costs in row `y`.
-    fn pitch_of_row(&self, y: usize) -> usize {
-        self.costs.columns() * padded(self.costs.count_in_row(y))
     }
 }
 
@@ -199,22 +192,17 @@ impl Sweep {
         if let Some(prior) = prior {
             prior.rises(shared.level, y, reverse, &mut self.transitions.rise);
         }
-        let pitch = shared.pitch_of_row(y);
-        let (costs, detours) = (&mut self.costs[..pitch], &mut detours[..pitch]);
-        shared.costs.fill_row(y, costs);
+        shared.costs.fill_row(y, &mut self.costs);
         let detours = if last {
             // They lie far away: memory hands over a row in one go faster than in the order of a sweep.
-            let opposite = &mut self.opposite[..pitch];
-            opposite.copy_from_slice(detours);
-            Detours::Meet { opposite, sums: &mut self.sums[..pitch] }
+            self.opposite.copy_from_slice(detours);
+            Detours::Meet { opposite: &self.opposite, sums: &mut self.sums }
         } else {
             Detours::Leave(detours)
         };
-        let [count, count_before] = [y, before].map(|y| padded(shared.costs.count_in_row(y)));
         let row = Row {
-            costs,
-            count,
-            before: count_before,
+            costs: &self.costs,
+            count: padded(shared.costs.count()),
             transitions: &self.transitions,
             rising: prior.is_some(),
             p1: shared.penalties.p1,
@@ -263,7 +251,7 @@ impl Trail {
             for (step, detours) in rows.rev() {
                 let y = shared.row(step, !other.reverse);
                 other.advance(shared, y, true, detours);
-                finish(y, &other.sums[..shared.pitch_of_row(y)]);
+                finish(y, &other.sums);
             }
             let Some(checkpoint) = self.checkpoints.pop(&mut again.states) else { return };
             self.follow(again, shared, checkpoint..self.held.start);
@@ -283,12 +271,9 @@ impl<C: CostRows> Shared<'_, C> {
         let read = self.costs.bytes() / rows
             + columns
             + self.prior.map_or(0, |prior| prior.bytes() / rows);
-        // Of a row on average.
-        let of_rows = |each: &dyn Fn(usize) -> usize| (0..rows).map(each).sum::<usize>() / rows;
-        let pairs = of_rows(&|y| columns * self.costs.count_in_row(y));
-        let pitch = of_rows(&|y| self.pitch_of_row(y));
+        let pairs = columns * self.costs.count();
         let row = Work::bytes(read) + Work::operations(C::OPERATIONS + path::OPERATIONS) * pairs;
-        let met = Work::bytes(2 * (size_of::<u8>() + size_of::<u16>())) * pitch
+        let met = Work::bytes(2 * (size_of::<u8>() + size_of::<u16>())) * self.pitch()
             + Work::operations(path::LAST_OPERATIONS) * pairs;
         row * swept + met * rows
     }
@@ -360,20 +345,10 @@ mod tests {
     use super::*;
     use raster::Plane;
 
-    /// Costs, those of a row after those of the one before it.
     struct Given {
         columns: usize,
-        /// Disparities in each row.
-        counts: Vec<usize>,
+        count: usize,
         costs: Vec<u8>,
-    }
-
-    impl Given {
-        /// Those of the pixel at column `x` of row `y`.
-        fn places(&self, x: usize, y: usize) -> Range<usize> {
-            let start = self.columns * self.counts[..y].iter().sum::<usize>();
-            start + x * self.counts[y]..start + (x + 1) * self.counts[y]
-        }
     }
 
     impl CostRows for Given {
@@ -383,22 +358,20 @@ mod tests {
             self.columns
         }
         fn rows(&self) -> usize {
-            self.counts.len()
+            self.costs.len() / self.columns / self.count
         }
         fn count(&self) -> usize {
-            *self.counts.iter().max().unwrap()
-        }
-        fn count_in_row(&self, y: usize) -> usize {
-            self.counts[y]
+            self.count
         }
         fn bytes(&self) -> usize {
             self.costs.len()
         }
         fn fill_row(&self, y: usize, costs: &mut [u8]) {
-            let count = self.counts[y];
+            let stride = padded(self.count);
             costs.fill(255);
-            for (x, to) in costs.chunks_exact_mut(padded(count)).enumerate() {
-                to[..count].copy_from_slice(&self.costs[self.places(x, y)]);
+            for x in 0..self.columns {
+                let from = &self.costs[(y * self.columns + x) * self.count..][..self.count];
+                costs[x * stride..][..self.count].copy_from_slice(from);
             }
         }
     }
@@ -406,7 +379,7 @@ mod tests {
     /// The eight paths one by one over the whole image, as the paper writes them; what four add to the
     /// costs counts at most 255.
     fn definition(given: &Given, guide: &Plane<u8>, penalties: &Penalties) -> Vec<u16> {
-        let (w, h) = (given.columns as isize, given.rows() as isize);
+        let (w, h, n) = (given.columns as isize, given.rows() as isize, given.count);
         let mut detours = [(); 2].map(|()| vec![0u16; given.costs.len()]);
         let directions =
             [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1isize)];
@@ -417,14 +390,13 @@ mod tests {
             let xs: Vec<isize> = if dx < 0 { (0..w).rev().collect() } else { (0..w).collect() };
             for &y in &ys {
                 for &x in &xs {
-                    let places = |x: isize, y: isize| given.places(x as usize, y as usize);
-                    let here = places(x, y);
+                    let here = (y * w + x) as usize * n;
                     let (qx, qy) = (x - dx, y - dy);
                     let inside = (0..w).contains(&qx) && (0..h).contains(&qy);
-                    for (d, at) in here.enumerate() {
-                        let mut l = u16::from(given.costs[at]);
+                    for d in 0..n {
+                        let mut l = u16::from(given.costs[here + d]);
                         if inside {
-                            let q = &states[places(qx, qy)];
+                            let q = &states[(qy * w + qx) as usize * n..][..n];
                             let grey = |x: isize, y: isize| guide.row(y as usize)[x as usize];
                             let step = f32::from(grey(x, y).abs_diff(grey(qx, qy)));
                             let step = (step - f32::from(penalties.noise)).max(0.0);
@@ -432,20 +404,17 @@ mod tests {
                             let p2 = f32::from(penalties.p2) - fall * step;
                             let p2 = p2.max(f32::from(penalties.p2_least)) as u8;
                             let least = *q.iter().min().unwrap();
-                            let p1 = u16::from(penalties.p1);
-                            // Disparities that this row lacks count for the least alone.
-                            let known = &q[..q.len().min(given.counts[y as usize])];
-                            let from = |d: Option<usize>, price: u16| Some(known.get(d?)? + price);
-                            let ways = [
-                                from(Some(d), 0),
-                                from(d.checked_sub(1), p1),
-                                from(Some(d + 1), p1),
-                            ];
-                            let far = least + u16::from(p2);
-                            l += ways.into_iter().flatten().fold(far, u16::min) - least;
+                            let mut best = q[d].min(least + u16::from(p2));
+                            if d > 0 {
+                                best = best.min(q[d - 1] + u16::from(penalties.p1));
+                            }
+                            if d + 1 < n {
+                                best = best.min(q[d + 1] + u16::from(penalties.p1));
+                            }
+                            l += best - least;
                         }
-                        states[at] = l;
-                        detours[at] += l - u16::from(given.costs[at]);
+                        states[here + d] = l;
+                        detours[here + d] += l - u16::from(given.costs[here + d]);
                     }
                 }
             }
@@ -455,16 +424,16 @@ mod tests {
         given.costs.iter().zip(down).zip(up).map(sum).collect()
     }
 
-    /// Random costs and a guide, with so many disparities in each row.
-    fn given(columns: usize, counts: &[usize]) -> (Given, Plane<u8>) {
+    /// Random costs and a guide.
+    fn given(columns: usize, rows: usize, count: usize) -> (Given, Plane<u8>) {
         let mut state = 9u64;
         let mut random = |n: u64| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             ((state >> 33) % n) as u8
         };
-        let costs = (0..columns * counts.iter().sum::<usize>()).map(|_| random(70)).collect();
-        let guide = Plane::from_fn(columns, counts.len(), |_, _| random(256));
-        (Given { columns, counts: counts.to_vec(), costs }, guide)
+        let costs = (0..columns * rows * count).map(|_| random(70)).collect();
+        let guide = Plane::from_fn(columns, rows, |_, _| random(256));
+        (Given { columns, count, costs }, guide)
     }
 
     const PENALTIES: Penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 45, noise: 3 };
@@ -488,23 +457,20 @@ mod tests {
 
     #[test]
     fn two_sweeps_are_eight_paths_at_every_level_and_number_of_threads() {
-        let (columns, rows) = (11, 9);
-        // The same number of disparities everywhere, and another one in every row.
-        for counts in [[37; 9], [64, 96, 32, 165, 64, 32, 160, 165, 96]] {
-            let input = given(columns, &counts);
-            let expected = definition(&input.0, &input.1, &PENALTIES);
-            for (level, threads) in
-                Level::available().into_iter().flat_map(|level| [1, 2, 3].map(|n| (level, n)))
-            {
+        let (columns, rows, count) = (11, 9, 37);
+        let input = given(columns, rows, count);
+        let expected = definition(&input.0, &input.1, &PENALTIES);
+        let stride = padded(count);
+        for level in Level::available() {
+            for threads in [1, 2, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let whole = Bands::new(rows, rows);
                 let found =
                     pool.install(|| run(&mut SemiGlobal::default(), level, &input, None, whole));
-                for (y, (row, &count)) in found.iter().zip(&counts).enumerate() {
-                    assert_eq!(row.len(), columns * padded(count));
-                    for (x, sums) in row.chunks_exact(padded(count)).enumerate() {
-                        let expected = &expected[input.0.places(x, y)];
-                        assert_eq!(&sums[..count], expected, "{level:?} at {x} {y}");
+                for (y, row) in found.iter().enumerate() {
+                    for x in 0..columns {
+                        let expected = &expected[(y * columns + x) * count..][..count];
+                        assert_eq!(&row[x * stride..][..count], expected, "{level:?} at {x} {y}");
                     }
                 }
             }
@@ -513,7 +479,7 @@ mod tests {
 
     #[test]
     fn work_counted_by_hand() {
-        let input = given(4, &[5; 3]);
+        let input = given(4, 3, 5);
         let costs = &input.0;
         let bands = Bands::new(3, 3);
         let guide = input.1.view();
@@ -529,8 +495,7 @@ mod tests {
     fn bands_of_every_height_give_the_sums_of_the_whole_volume() {
         // A tall one, and one with a row in only one half.
         for (columns, rows) in [(7, 41), (4, 1)] {
-            let counts: Vec<usize> = (0..rows).map(|y| [32, 70, 64, 32][y / 5 % 4]).collect();
-            let input = given(columns, &counts);
+            let input = given(columns, rows, 33);
             let slanted =
                 Plane::from_fn(columns, rows, |x, y| (7 + y) as f32 / 3.0 + 0.2 * x as f32);
             let mut prior = SurfacePrior::default();

@@ -6,7 +6,6 @@
 
 use raster::{BoundingBox, Image};
 
-use super::coarse::Coarse;
 use super::right_choices::RightChoices;
 use crate::cost::SearchSpace;
 use crate::ingredient::{Ingredient, Ingredients};
@@ -78,10 +77,6 @@ impl Needs {
             false => images,
             true => images + Alignment::bytes(width, height, frame.range, deep),
         };
-        let coarse = match ingredients.has(Ingredient::RowRanges) {
-            false => 0,
-            true => Coarse::bytes((width, height), work, space),
-        };
         let flat = if ingredients.has(Ingredient::Gradient) { 0 } else { all };
         // Census words and steps of both, the right ones between margins; descriptors, and where they
         // are asked for.
@@ -114,7 +109,7 @@ impl Needs {
         let chosen = if right_choice { width } else { columns };
         let choice = if choice { Choices::bytes(jury, (chosen, lines), width) } else { 0 };
         let refined = filled + right + choice;
-        let stages = images + coarse + flat + features + descriptors + left + prior + refined;
+        let stages = images + flat + features + descriptors + left + prior + refined;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }

@@ -1,6 +1,5 @@
 //! The presets: which stages, in which order, with which parameters.
 
-mod coarse;
 mod fast;
 mod memory;
 mod right_choices;

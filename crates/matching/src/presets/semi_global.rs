@@ -9,12 +9,11 @@
 use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
-use super::coarse::Coarse;
 use super::memory::Needs;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
+use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
-use crate::cost::{RowRanges, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
@@ -63,8 +62,6 @@ pub(crate) struct SemiGlobalMatching {
     alignment: Alignment,
     /// What was taken out of the right image of the last frame.
     vertical: Option<VerticalDisparity>,
-    coarse: Coarse,
-    ranges: RowRanges,
     features: FeaturePair,
     /// Pixels of the left view that both cameras should see and that no run has matched so far.
     doubtful: Plane<bool>,
@@ -109,8 +106,6 @@ impl SemiGlobalMatching {
             buffers: Default::default(),
             alignment: Alignment::default(),
             vertical: None,
-            coarse: Coarse::default(),
-            ranges: RowRanges::default(),
             features: FeaturePair::default(),
             doubtful: Plane::default(),
             optimizer: SemiGlobal::default(),
@@ -179,7 +174,6 @@ impl SemiGlobalMatching {
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
         let confidence = confidence.split_at_mut(middle * space.width);
-        self.winners.iter_mut().for_each(|winners| winners.reserve(space));
         let [upper, lower] = &mut self.winners;
         let halves = [
             (0, left.0, right.0, confidence.0, upper),
@@ -189,7 +183,6 @@ impl SemiGlobalMatching {
             let mut rows = Selection {
                 level,
                 space,
-                ranges: &self.ranges,
                 sub_pixel,
                 least_margin,
                 first,
@@ -202,14 +195,14 @@ impl SemiGlobalMatching {
         });
         let paths = self.optimizer.run(
             level,
-            &self.features.costs(level, space, &self.ranges, doubtful),
+            &self.features.costs(level, space, doubtful),
             guide,
             follow.then_some(&self.prior),
             &search.penalties,
             bands,
             finish,
         );
-        paths + Selection::work(space, &self.ranges, work.rows())
+        paths + Selection::work(space) * work.rows()
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
@@ -422,11 +415,6 @@ impl Pipeline for SemiGlobalMatching {
         self.right.begin(0, width, rows);
         let chooses = space.count > 0 && ingredients.has(Ingredient::LearnedChoice);
         if space.count > 0 {
-            self.ranges.widen();
-            if ingredients.has(Ingredient::RowRanges) {
-                let looked = self.coarse.look(level, grey, work, &space, &mut self.ranges);
-                looked.into_iter().for_each(|looked| profile.end("search ranges of rows", looked));
-            }
             // Flat grey has no gradient.
             let flat = match ingredients.has(Ingredient::Gradient) {
                 true => None,

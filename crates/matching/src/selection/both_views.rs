@@ -3,7 +3,7 @@
 //! The confidence of a winner whose sum lies `m` below that of any other disparity is
 //! `m / (m + HALF_SURE)`.
 
-use crate::cost::{RowRanges, SearchSpace};
+use crate::cost::SearchSpace;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 use crate::selection::winner::{self, Key, Winners, tip_of_v};
@@ -15,7 +15,6 @@ const HALF_SURE: f32 = 60.0;
 pub(crate) struct Selection<'a> {
     pub level: Level,
     pub space: &'a SearchSpace,
-    pub ranges: &'a RowRanges,
     /// Whether disparities have fractions.
     pub sub_pixel: bool,
     /// Winners of the left view with a smaller margin are no matches.
@@ -33,17 +32,15 @@ pub(crate) struct Selection<'a> {
 }
 
 impl Selection<'_> {
-    /// What so many rows amount to besides their sums: two disparities and a confidence are written.
-    pub fn work(space: &SearchSpace, ranges: &RowRanges, rows: usize) -> Work {
+    /// What a row amounts to besides its sums: two disparities and a confidence are written.
+    pub fn work(space: &SearchSpace) -> Work {
         let written = size_of::<f32>() * (2 * space.columns() + space.width);
-        let pairs = ranges.pairs(space, rows);
-        Work::bytes(written * rows) + Work::operations(winner::OPERATIONS) * pairs
+        Work::bytes(written) + Work::operations(winner::OPERATIONS) * space.pairs()
     }
 
     /// Selects row `y` from its sums.
     pub fn row(&mut self, y: usize, sums: &[u16]) {
-        let space = &self.ranges.of_row(self.space, y);
-        let (row, columns) = (y - self.first, space.columns());
+        let (space, row, columns) = (self.space, y - self.first, self.space.columns());
         self.winners.select(self.level, space, sums);
         let left = &mut self.left[row * columns..][..columns];
         let confidence = &mut self.confidence[row * space.width + space.first..][..columns];
@@ -201,9 +198,8 @@ mod tests {
     use raster::{BoundingBox, DisparityRange};
 
     /// Pixel by pixel, from the sums of three disparities.
-    fn definition(selection: &Selection<'_>, y: usize, sums: &[u16]) -> [Vec<f32>; 3] {
-        let space = &selection.ranges.of_row(selection.space, y);
-        let winners = &selection.winners;
+    fn definition(selection: &Selection<'_>, sums: &[u16]) -> [Vec<f32>; 3] {
+        let (space, winners) = (selection.space, &selection.winners);
         let sum = |column: usize, k: usize| f32::from(sums[column * space.lanes + k]);
         let value = |k: usize, tip: f32| {
             (space.min + k as i32) as f32 + if selection.sub_pixel { tip } else { 0.0 }
@@ -242,15 +238,10 @@ mod tests {
             let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
             let range = DisparityRange::new(range.0, range.1).unwrap();
             let space = SearchSpace::new(width, bounds, range);
-            // The second row is searched less far.
-            let mut ranges = RowRanges::default();
-            ranges.set([space.count, 32].into_iter());
             let sums: Vec<u16> = (0..space.columns() * space.lanes).map(|_| random(400)).collect();
-            for (level, sub_pixel, y) in Level::available()
-                .into_iter()
-                .flat_map(|l| [(l, true, 0), (l, false, 0), (l, true, 1)])
+            for (level, sub_pixel) in
+                Level::available().into_iter().flat_map(|l| [(l, true), (l, false)])
             {
-                let sums = &sums[..space.columns() * ranges.of_row(&space, y).lanes];
                 eprintln!("level {}", level.name());
                 let mut winners = Winners::default();
                 let (mut left, mut right) = (vec![9.0; space.columns()], vec![9.0; width]);
@@ -258,17 +249,16 @@ mod tests {
                 let mut selection = Selection {
                     level,
                     space: &space,
-                    ranges: &ranges,
                     sub_pixel,
                     least_margin: 2,
-                    first: y,
+                    first: 5,
                     left: &mut left,
                     right: &mut right,
                     confidence: &mut confidence,
                     winners: &mut winners,
                 };
-                selection.row(y, sums);
-                let expected = definition(&selection, y, sums);
+                selection.row(5, &sums);
+                let expected = definition(&selection, &sums);
                 let sure = confidence[space.first..][..space.columns()].to_vec();
                 for (found, expected) in [left, right, sure].iter().zip(&expected) {
                     let bits =

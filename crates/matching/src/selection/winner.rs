@@ -73,22 +73,6 @@ struct Part {
 }
 
 impl Winners {
-    /// Makes room for rows that are searched over a whole space: that such a row comes late must not show.
-    pub fn reserve(&mut self, space: &SearchSpace) {
-        let Self { right, block, .. } = self;
-        right.clear();
-        right.reserve(Self::keys(space));
-        block.right.clear();
-        block.right.reserve(space.lanes + TAGS);
-        block.parts.clear();
-        block.parts.reserve(space.lanes.div_ceil(PART));
-    }
-
-    /// The right view's keys, with both margins.
-    fn keys(space: &SearchSpace) -> usize {
-        space.width + 2 * (space.lanes + TAGS)
-    }
-
     /// Finds the winners of a row of sums, `space.lanes` per column.
     pub fn select(&mut self, level: Level, space: &SearchSpace, sums: &[u16]) {
         self.left.clear();
@@ -96,7 +80,7 @@ impl Winners {
         self.margins.clear();
         self.margins.resize(space.columns(), 0);
         self.right.clear();
-        self.right.resize(Self::keys(space), Key::NONE);
+        self.right.resize(space.width + 2 * (space.lanes + TAGS), Key::NONE);
         self.block.right.resize(space.lanes + TAGS, NO_SUM);
         self.block.parts.resize(space.lanes.div_ceil(PART), Part::EMPTY);
         let Self { left, margins, right, block } = self;
@@ -364,21 +348,6 @@ mod tests {
                 let found = winners.right(&space).iter().map(|key| key.disparity());
                 assert_eq!(found.collect::<Vec<_>>(), right, "{space:?}");
             }
-        }
-    }
-
-    #[test]
-    fn a_narrow_row_leaves_room_for_a_wide_one() {
-        let bounds = BoundingBox::new(0, 0, 199, 0).unwrap();
-        let space = SearchSpace::new(200, bounds, DisparityRange::new(0, 150).unwrap());
-        let mut winners = Winners::default();
-        winners.reserve(&space);
-        let room = |winners: &Winners| (winners.right.capacity(), winners.block.right.capacity());
-        let before = room(&winners);
-        for count in [32, 151] {
-            let row = space.up_to(count);
-            winners.select(Level::detect(), &row, &vec![7; row.columns() * row.lanes]);
-            assert_eq!(room(&winners), before, "{count} disparities");
         }
     }
 

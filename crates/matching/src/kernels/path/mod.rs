@@ -63,8 +63,6 @@ fn pitch(count: usize) -> usize {
 /// read in fastest. A row puts its states in the place of those of the row before.
 #[derive(Default)]
 pub struct RowStates {
-    /// States of a pixel.
-    pitch: usize,
     /// The path from the previous column has one more before all others, that from the next column one
     /// behind them: these stay zero, since a path that enters the image begins with its cost alone.
     states: [Aligned<u8>; 3],
@@ -78,9 +76,8 @@ pub struct RowStates {
 }
 
 impl RowStates {
-    /// Before the first row: every path begins anew. No row has more than `count` disparities.
+    /// Before the first row: every path begins anew.
     pub fn reset(&mut self, columns: usize, count: usize) {
-        self.pitch = pitch(count);
         for (path, (states, least)) in self.states.iter_mut().zip(&mut self.least).enumerate() {
             let columns = columns + usize::from(path != 1);
             states.refill(columns * pitch(count), 0);
@@ -99,16 +96,6 @@ impl RowStates {
     /// The memory of these states.
     pub fn bytes(columns: usize, count: usize) -> usize {
         Self::saved_bytes(columns, count) + 2 * pitch(count) + 5 * LINE
-    }
-
-    /// Nothing is left of the disparities from `count` on but that one of them may have been the least.
-    fn cut(&mut self, count: usize) {
-        let [previous, same, next] = &mut self.states;
-        // Where paths enter the image they begin with any disparity.
-        let inner = next.len() - self.pitch;
-        for states in [&mut previous[self.pitch..], same, &mut next[..inner]] {
-            states.chunks_exact_mut(self.pitch).for_each(|states| states[count..].fill(255));
-        }
     }
 
     /// Appends what the next row goes on from.
@@ -149,9 +136,6 @@ pub struct Row<'a> {
     pub costs: &'a [u8],
     /// A multiple of [`LANES`].
     pub count: usize,
-    /// The `count` of the row before. To a disparity that only one of both rows has no path goes by less
-    /// than `P2`, and none comes from there.
-    pub before: usize,
     pub transitions: &'a RowTransitions,
     /// Surfaces rise as `transitions` say, else nowhere.
     pub rising: bool,
@@ -185,9 +169,6 @@ impl Detours<'_> {
 /// Advances the four paths by one row. `costs`, detours and sums are `columns x count` with the disparities
 /// of a column side by side.
 pub fn paths_of_row(level: Level, row: &Row<'_>, states: &mut RowStates, detours: Detours<'_>) {
-    if row.count != row.before {
-        states.cut(row.count.min(row.before));
-    }
     match row.rising {
         false => with_vectors!(level, simd => advance::<_, false>(simd, row, states, detours)),
         true => with_vectors!(level, simd => advance::<_, true>(simd, row, states, detours)),
@@ -297,7 +278,7 @@ fn advance<S: Simd, const RISE: bool>(
     let columns = costs.len() / count;
     let width = <S::u8s as SimdBase<S>>::LEN;
     // The vectors of a pixel that are wanted, and all that are there.
-    let (vectors, all) = (count.div_ceil(width), states.pitch / width);
+    let (vectors, all) = (count.div_ceil(width), pitch(count) / width);
     let last = vectors - 1;
     let whole = count.is_multiple_of(width);
     // In the order of the sweep, the next column of the image is the one before.
@@ -367,9 +348,7 @@ mod tests {
         let least = *before.iter().min().unwrap();
         (0..cost.len())
             .map(|d| {
-                // Disparities that this pixel lacks count for the least alone.
-                let known = &before[..before.len().min(cost.len())];
-                let before = |d: i32| usize::try_from(d).ok().and_then(|d| known.get(d));
+                let before = |d: i32| usize::try_from(d).ok().and_then(|d| before.get(d));
                 let d = d as i32;
                 let changes = [(0, 0), (-1, p1), (1, p1)];
                 let best = changes
@@ -385,35 +364,28 @@ mod tests {
     fn four_paths_are_the_papers_recurrence_at_every_level() {
         // One vector or several, with and without half of one at the end.
         for (count, reverse) in [(32, true), (64, false), (96, true), (160, false), (192, true)] {
-            four_paths_are_the_papers_recurrence([count; 6], reverse);
-        }
-        // Rows that reach farther than the one before, or less far.
-        for (counts, reverse) in
-            [([64, 96, 32, 128, 160, 96], false), ([160, 64, 192, 32, 96, 128], true)]
-        {
-            four_paths_are_the_papers_recurrence(counts, reverse);
+            four_paths_are_the_papers_recurrence(count, reverse);
         }
     }
 
-    fn four_paths_are_the_papers_recurrence(counts: [usize; 6], reverse: bool) {
-        let (columns, p1) = (13, 7u8);
-        let most = counts.into_iter().max().unwrap();
+    fn four_paths_are_the_papers_recurrence(count: usize, reverse: bool) {
+        let (columns, rows, p1) = (13, 6, 7u8);
         let mut chance = Chance(1);
         let mut random = |n: u32| chance.below(n) as u8;
-        let costs =
-            counts.map(|count| (0..columns * count).map(|_| random(80)).collect::<Vec<_>>());
-        let others: Vec<u8> = (0..columns * most).map(|_| random(255)).collect();
+        let costs: Vec<u8> = (0..columns * rows * count).map(|_| random(80)).collect();
+        let others: Vec<u8> = (0..columns * count).map(|_| random(255)).collect();
         let mut transitions = RowTransitions::default();
         for (p2, rise) in transitions.p2.iter_mut().zip(&mut transitions.rise) {
             *p2 = (0..columns).map(|_| 20 + random(100)).collect();
             *rise = vec![0; columns];
         }
         for level in Level::available() {
-            eprintln!("level {}, {counts:?} disparities", level.name());
+            eprintln!("level {}, {count} disparities", level.name());
             let mut states = RowStates::default();
-            states.reset(columns, most);
+            states.reset(columns, count);
             let mut expected_before: Vec<[Vec<i32>; 3]> = Vec::new();
-            for (y, (&count, costs)) in counts.iter().zip(&costs).enumerate() {
+            for y in 0..rows {
+                let costs = &costs[y * columns * count..][..columns * count];
                 for (path, rise) in transitions.rise.iter_mut().enumerate() {
                     let begins = |x: usize| match path {
                         0 => y == 0 || x == 0,
@@ -428,11 +400,9 @@ mod tests {
                 // Even rows leave the detours, odd ones meet others; two of three have surfaces that rise.
                 let (meet, rising) = (y % 2 == 1, y % 3 > 0);
                 let (mut left, mut sums) = (vec![0; costs.len()], vec![0; costs.len()]);
-                let before = counts[y.saturating_sub(1)];
-                let transitions = &transitions;
-                let row = Row { costs, count, before, transitions, rising, p1, reverse };
+                let row = Row { costs, count, transitions: &transitions, rising, p1, reverse };
                 let detours = if meet {
-                    Detours::Meet { opposite: &others[..costs.len()], sums: &mut sums }
+                    Detours::Meet { opposite: &others, sums: &mut sums }
                 } else {
                     Detours::Leave(&mut left)
                 };
@@ -492,7 +462,6 @@ mod tests {
             let row = Row {
                 costs,
                 count,
-                before: count,
                 transitions: &transitions,
                 rising: false,
                 p1: 9,
