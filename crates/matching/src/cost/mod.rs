@@ -47,10 +47,17 @@ impl SearchSpace {
 
     /// Which disparities, counted from `min`, are tried at left column `x`.
     pub fn candidates(&self, x: usize) -> Range<usize> {
-        let (x, min) = (x as i64, i64::from(self.min));
-        let lowest = (x - (self.width as i64 - 1) - min).max(0);
-        let highest = (x - min).min(self.count as i64 - 1);
+        let [lowest, highest] = self.ends(x as i32);
         lowest as usize..(highest + 1).max(lowest) as usize
+    }
+
+    /// The first and the last of them; where there are none the last lies below the first. In numbers of 32
+    /// bits, so that many columns are reckoned with together.
+    #[inline(always)]
+    pub fn ends(&self, x: i32) -> [i32; 2] {
+        let farthest = x - self.min;
+        let lowest = (farthest - (self.width as i32 - 1)).max(0);
+        [lowest, farthest.min(self.count as i32 - 1)]
     }
 
     /// How many pairs of a column and a disparity are tried in a row.

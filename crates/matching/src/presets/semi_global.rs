@@ -501,6 +501,23 @@ mod tests {
     use crate::chance::Chance;
 
     #[test]
+    fn what_was_filled_is_trusted_less_at_every_level() {
+        use Reason::{Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled};
+        let reasons = [Matched, OccludedFilled, MismatchedFilled, OutsideRightFilled].repeat(9);
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            let confidence = |judged| {
+                let mut confidence = vec![0.8; reasons.len()];
+                trust(level, judged, &reasons, &mut confidence);
+                confidence
+            };
+            let filled = 0.8 * FILLED;
+            assert_eq!(confidence(true), [0.8, filled, filled, filled].repeat(9));
+            assert_eq!(confidence(false), [0.8, 0.0, filled, 0.0].repeat(9));
+        }
+    }
+
+    #[test]
     fn steps_of_grey_count_less_in_a_noisy_image_alone() {
         let with_noise = |most: f32| {
             let mut chance = Chance(2);

@@ -135,8 +135,6 @@ at_every_level! {
         confidence: &mut [f32],
     ) {
         let (winners, differences) = winners;
-        let (min, count) = (space.min, space.count as i32);
-        let (first_column, last_right) = (space.first as i32, space.width as i32 - 1);
         let (mut pixels, mut sure) = ([0.0; BLOCK], [0.0; BLOCK]);
         let blocks = values.chunks_mut(BLOCK).zip(confidence.chunks_mut(BLOCK));
         for (block, (values, confidence)) in blocks.enumerate() {
@@ -147,13 +145,11 @@ at_every_level! {
             let is_sure = margins.map(|margin| margin >= least_margin);
             let mut found = Found::among(keys, is_sure, |disparity, i| {
                 let column = first as i32 + i;
-                // The first and the last that are tried there, as `SearchSpace::candidates` has it.
-                let farthest = first_column + column - min;
-                let (lowest, highest) = ((farthest - last_right).max(0), farthest.min(count - 1));
+                let [lowest, highest] = space.ends(space.first as i32 + column);
                 (column, (disparity > lowest) & (disparity < highest))
             });
             found.look_up(sums, space.lanes, 1);
-            found.in_pixels(min, sub_pixel, &mut pixels);
+            found.in_pixels(space.min, sub_pixel, &mut pixels);
             for i in 0..BLOCK {
                 sure[i] = f32::from(margins[i]) / (f32::from(margins[i]) + HALF_SURE);
             }
@@ -172,7 +168,7 @@ at_every_level! {
     ) {
         let (last, columns) = (space.count as i32 - 1, space.columns() as i32);
         // The left column that disparity 0 of the first pixel meets.
-        let meets = space.width as i32 - 1 + space.min - space.first as i32;
+        let meets = space.mirrored(space.first) as i32;
         let mut pixels = [0.0; BLOCK];
         for (block, values) in values.chunks_mut(BLOCK).enumerate() {
             let first = block * BLOCK;

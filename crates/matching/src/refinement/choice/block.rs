@@ -187,7 +187,7 @@ impl Block {
         let (least, most) = (scene.given.least, scene.given.most);
         self.here = run(scene.values.row(y), x as i64);
         let here = self.here;
-        let settled = settled(scene, x, y);
+        let notes = run(scene.strip.notes.row(scene.strip.row(y)), x as i64);
         let (mut smallest, mut largest) = (here, here);
         let mut undecided = [false; LANES];
         for (k, place) in reach.places.iter().enumerate() {
@@ -214,7 +214,8 @@ impl Block {
             if k + 1 == reach.inner {
                 let mut any = false;
                 for l in 0..LANES {
-                    undecided[l] = !settled[l] | (largest[l] - smallest[l] > reach.settled);
+                    undecided[l] =
+                        !notes[l].is_settled() | (largest[l] - smallest[l] > reach.settled);
                     any |= undecided[l];
                 }
                 if !any {
@@ -486,24 +487,6 @@ fn inside(start: i64, columns: usize) -> Lanes {
         }
     }
     inside
-}
-
-/// Where descriptors were asked.
-#[inline(always)]
-fn doubtful(given: &Given<'_>, u: i64, v: usize) -> [bool; LANES] {
-    if given.doubtful.samples().is_empty() { [false; LANES] } else { run(given.doubtful.row(v), u) }
-}
-
-/// Whether both views agreed on the pixels whenever they were asked.
-#[inline(always)]
-fn settled(scene: &Scene<'_>, x: usize, y: usize) -> [bool; LANES] {
-    let reasons = run(scene.reasons.row(y), x as i64);
-    let doubtful = doubtful(scene.given, x as i64, y);
-    let mut settled = [false; LANES];
-    for l in 0..LANES {
-        settled[l] = (reasons[l] == Reason::Matched) & !doubtful[l];
-    }
-    settled
 }
 
 #[cfg(test)]

@@ -22,6 +22,12 @@ impl Note {
         Self(sure | u32::from(filled) << 26 | u32::from(doubtful) << 27)
     }
 
+    /// Whether both views agreed on the pixel whenever they were asked.
+    #[inline(always)]
+    pub fn is_settled(self) -> bool {
+        self.0 >> 26 == 0
+    }
+
     /// From a pixel of this grey value, when the grey changes by so much on the way.
     #[inline(always)]
     pub fn seen(self, grey: u8, edges: u16) -> Self {
@@ -128,6 +134,9 @@ mod tests {
         };
         assert_eq!(told(note.seen(160, 7)), [2.0, certainty::share(51), 7.0, 1.0, 0.0]);
         assert_eq!(told(note.seen(255, 60_000)), [2.75, certainty::share(51), 1023.0, 1.0, 0.0]);
+        let settled = [(false, false), (true, false), (false, true)]
+            .map(|(filled, doubtful)| Note::new(255, 255, filled, doubtful).is_settled());
+        assert_eq!(settled, [true, false, false]);
         assert_eq!(told(Note::new(0, 255, false, true).seen(0, 0)), [0.0, 1.0, 0.0, 0.0, 1.0]);
     }
 
