@@ -2,6 +2,7 @@
 //! vectorises (in two of them, the vectors themselves), and the test that they agree bit for bit at
 //! every level of the processor.
 
+pub(crate) mod ahead;
 pub(crate) mod aligned;
 pub(crate) mod border;
 pub mod level;

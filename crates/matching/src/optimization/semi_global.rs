@@ -111,8 +111,7 @@ struct Sweep {
     states: RowStates,
     transitions: RowTransitions,
     costs: Aligned<u8>,
-    /// Of a row that is finished: the detours of the opposite paths, and the sums.
-    opposite: Aligned<u8>,
+    /// Of a row that is finished.
     sums: Aligned<u16>,
 }
 
@@ -157,7 +156,7 @@ impl Sweep {
 
     /// The memory of a row that is finished.
     fn finished_bytes(&Volume { columns, lanes, .. }: &Volume) -> usize {
-        (size_of::<u8>() + size_of::<u16>()) * columns * lanes
+        size_of::<u16>() * columns * lanes
     }
 
     fn reset(&mut self, reverse: bool, columns: usize, count: usize) {
@@ -194,9 +193,7 @@ impl Sweep {
         }
         shared.costs.fill_row(y, &mut self.costs);
         let detours = if last {
-            // They lie far away: memory hands over a row in one go faster than in the order of a sweep.
-            self.opposite.copy_from_slice(detours);
-            Detours::Meet { opposite: &self.opposite, sums: &mut self.sums }
+            Detours::Meet { opposite: detours, sums: &mut self.sums }
         } else {
             Detours::Leave(detours)
         };
@@ -318,7 +315,6 @@ impl SemiGlobal {
             let reverse = i == 1;
             self.sweeps[i].reset(reverse, columns, lanes);
             self.sweeps[i].sums.resize(shared.pitch(), 0);
-            self.sweeps[i].opposite.resize(shared.pitch(), 0);
             let checkpoints = bands.checkpoints(half);
             if checkpoints > 0 {
                 self.again[i].reset(reverse, columns, lanes);

@@ -32,6 +32,7 @@ use std::ops::Range;
 use fearless_simd::{Simd, SimdBase};
 
 use self::vectors::Disparities;
+use super::ahead;
 use super::aligned::{Aligned, LINE};
 use super::level::{Level, with_vectors};
 
@@ -153,7 +154,26 @@ pub enum Detours<'a> {
     Meet { opposite: &'a [u8], sums: &'a mut [u16] },
 }
 
+/// What will be wanted is asked for so many bytes ahead: more than the processor can be kept waiting for, and
+/// little of the nearest cache.
+const AHEAD: usize = 2048;
+
 impl Detours<'_> {
+    /// Asks for what will be wanted soon after these.
+    #[inline(always)]
+    fn look_ahead(&self, places: &Range<usize>, reverse: bool) {
+        let bytes = match self {
+            Detours::Leave(left) => &left[..],
+            Detours::Meet { opposite, .. } => opposite,
+        };
+        for place in places.clone().step_by(LINE) {
+            let ahead = if reverse { place.wrapping_sub(AHEAD) } else { place + AHEAD };
+            if let Some(byte) = bytes.get(ahead) {
+                ahead::read(byte);
+            }
+        }
+    }
+
     /// Those of some disparities.
     #[inline(always)]
     fn part(&mut self, places: Range<usize>) -> Detours<'_> {
@@ -301,6 +321,7 @@ fn advance<S: Simd, const RISE: bool>(
     for (at, ((states0, states1), (least0, least1))) in (0..columns).zip(from_above.zip(least)) {
         let x = if reverse { columns - 1 - at } else { at };
         let places = x * count..(x + 1) * count;
+        detours.look_ahead(&places, reverse);
         let (states2, next) = states2[at * all..][..2 * all].split_at_mut(all);
         let column = Column {
             least: splat(simd, [replaced_least, *least1, least2[at + 1], along_least]),
