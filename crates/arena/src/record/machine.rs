@@ -1,6 +1,7 @@
 //! The machine that a record was made on.
 
 use std::borrow::Cow;
+use std::fmt;
 use std::fs;
 
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,15 @@ impl Machine {
             architecture: std::env::consts::ARCH.into(),
             system: std::env::consts::OS.into(),
         }
+    }
+}
+
+/// In a line: the processor, its cores, its vector instructions.
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let cpu = self.cpu.as_deref().unwrap_or(&self.architecture);
+        let level = self.level.as_deref().unwrap_or("vector level unknown");
+        write!(f, "{cpu}, {} cores, {level}", self.cores)
     }
 }
 

@@ -55,10 +55,11 @@ impl Run {
     }
 }
 
-/// Runs that are kept: one for each scene and number of threads.
+/// Runs that are kept: one for each machine, scene and number of threads.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Record {
-    /// Scenes in the order in which they were first measured, those of one scene together.
+    /// Machines in the order in which they first measured, and the scenes of each: those of one scene stand
+    /// together.
     pub runs: Vec<Run>,
 }
 
@@ -97,15 +98,17 @@ impl Record {
             .map_err(|error| RecordError::Content { path: shown(), problem: error.to_string() })
     }
 
-    /// Takes a run in. An earlier one of the same scene and number of threads gives way as a whole:
+    /// Takes a run in. An earlier one of the same machine, scene and number of threads gives way as a whole:
     /// what was not measured together is not compared.
     pub fn put(&mut self, run: Run) {
-        let same_scene = |known: &Run| known.scene == run.scene;
+        let same_machine = |known: &Run| known.machine == run.machine;
+        let same_scene = |known: &Run| same_machine(known) && known.scene == run.scene;
         let same = |known: &Run| same_scene(known) && known.threads == run.threads;
         match self.runs.iter().position(same) {
             Some(at) => self.runs[at] = run,
             None => {
                 let after = self.runs.iter().rposition(same_scene);
+                let after = after.or_else(|| self.runs.iter().rposition(same_machine));
                 self.runs.insert(after.map_or(self.runs.len(), |last| last + 1), run);
             }
         }

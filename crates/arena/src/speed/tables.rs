@@ -1,4 +1,5 @@
-//! Runs as tables: everything that was measured, engines against their peers, and how time grows.
+//! Runs as tables: everything that was measured, engines against their peers, and how time grows. Where runs
+//! are of several machines, each row says of which.
 
 use super::peers::PEERS;
 use super::record::Run;
@@ -8,12 +9,9 @@ use crate::report::{Cell, Column, Table, in_order};
 /// One row for each engine of each run: shortest and median time of matching, the rate that follows
 /// from the median, CPU time and memory. There is a column for the status when something failed.
 pub fn measurements_table(runs: &[Run]) -> Table {
-    let mut columns = vec![
-        Column::grouped("scene"),
-        Column::grouped("size"),
-        Column::grouped("threads"),
-        Column::new("matcher"),
-    ];
+    let places = Places::new(runs);
+    let mut columns = places.columns(["scene", "size", "threads"].map(Column::grouped));
+    columns.push(Column::new("matcher"));
     columns.extend(["runs", "min ms", "median ms", "MDE/s", "CPU ms", "MB"].map(Column::new));
     let all = || runs.iter().flat_map(|run| &run.measurements);
     let with_status = all().any(|measurement| measurement.status != Status::Done);
@@ -24,7 +22,7 @@ pub fn measurements_table(runs: &[Run]) -> Table {
     for run in runs {
         for measurement in &run.measurements {
             let median = measurement.median();
-            let mut row = place(run).to_vec();
+            let mut row = places.of(run, place(run));
             row.push(Cell::text(&measurement.engine));
             row.push(Cell::Number(measurement.seconds.len() as f64, 0));
             row.push(milliseconds(measurement.minimum()));
@@ -44,8 +42,8 @@ pub fn measurements_table(runs: &[Run]) -> Table {
 /// One row for each pair of [`PEERS`] that met in a run: both medians, how many times as long the
 /// peer takes, hazcam's rate and both peaks of memory.
 pub fn peers_table(runs: &[Run]) -> Table {
-    let mut columns =
-        vec![Column::grouped("scene"), Column::grouped("size"), Column::grouped("threads")];
+    let places = Places::new(runs);
+    let mut columns = places.columns(["scene", "size", "threads"].map(Column::grouped));
     columns.extend(
         ["matcher", "peer", "ms", "peer ms", "ratio", "MDE/s", "MB", "peer MB"].map(Column::new),
     );
@@ -53,7 +51,7 @@ pub fn peers_table(runs: &[Run]) -> Table {
     for run in runs {
         for (engine, peer) in PEERS {
             let (Some(own), Some(other)) = (run.of(engine), run.of(peer)) else { continue };
-            let mut row = place(run).to_vec();
+            let mut row = places.of(run, place(run));
             row.extend([Cell::text(engine), Cell::text(peer)]);
             row.extend([own, other].map(|measurement| milliseconds(measurement.median())));
             row.push(Cell::number(run.ratio(engine, peer), 2));
@@ -70,13 +68,14 @@ pub fn peers_table(runs: &[Run]) -> Table {
 pub fn sweep_table(runs: &[Run]) -> Table {
     let engines =
         in_order(runs.iter().flat_map(|run| &run.measurements).map(|found| found.engine.as_str()));
-    let mut columns = ["size", "Mpixel", "threads"].map(Column::new).to_vec();
+    let places = Places::new(runs);
+    let mut columns = places.columns(["size", "Mpixel", "threads"].map(Column::new));
     columns.extend(engines.iter().map(|engine| Column::new(format!("{engine} ns"))));
     let mut table = Table { columns, rows: Vec::new() };
     for run in runs {
         let [_, size, threads] = place(run);
         let megapixels = (run.columns * run.rows) as f64 / 1e6;
-        let mut row = vec![size, Cell::Number(megapixels, 1), threads];
+        let mut row = places.of(run, [size, Cell::Number(megapixels, 1), threads]);
         row.extend(engines.iter().map(|engine| {
             let median = run.of(engine).and_then(|measurement| measurement.median());
             Cell::number(median.map(|seconds| 1e9 / run.rate(seconds)), 2)
@@ -84,6 +83,23 @@ pub fn sweep_table(runs: &[Run]) -> Table {
         table.push(row);
     }
     table
+}
+
+/// What tells runs from each other: the machine too where there are several.
+struct Places(bool);
+
+impl Places {
+    fn new(runs: &[Run]) -> Self {
+        Self(runs.windows(2).any(|pair| pair[0].machine != pair[1].machine))
+    }
+
+    fn columns(&self, others: [Column; 3]) -> Vec<Column> {
+        self.0.then(|| Column::grouped("machine")).into_iter().chain(others).collect()
+    }
+
+    fn of(&self, run: &Run, others: [Cell; 3]) -> Vec<Cell> {
+        self.0.then(|| Cell::text(run.machine.to_string())).into_iter().chain(others).collect()
+    }
 }
 
 fn place(run: &Run) -> [Cell; 3] {
@@ -141,6 +157,21 @@ mod tests {
         }
     }
 
+    fn another() -> Machine {
+        Machine { cpu: Some("Another".into()), cores: 4, ..Machine::this(None) }
+    }
+
+    #[test]
+    fn rows_of_several_machines_say_of_which() {
+        let runs = [a_run(), Run { machine: another(), ..a_run() }];
+        let name = "\"Another, 4 cores, vector level unknown\"";
+        for table in [measurements_table(&runs), peers_table(&runs), sweep_table(&runs)] {
+            let csv = table.to_csv();
+            let last = csv.lines().last().unwrap();
+            assert!(csv.starts_with("machine,") && last.starts_with(name), "{csv}");
+        }
+    }
+
     #[test]
     fn minimum_median_and_rate_of_every_engine() {
         assert_eq!(
@@ -179,17 +210,19 @@ mod tests {
     }
 
     #[test]
-    fn a_record_keeps_one_run_for_each_scene_and_number_of_threads() {
+    fn a_record_keeps_one_run_for_each_machine_scene_and_number_of_threads() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("speed.json");
         let mut record = Record::default();
         let alone = Run { threads: 1, ..a_run() };
         let later = Run { date: "2026-02-01".into(), ..a_run() };
         let other = Run { scene: "other".into(), ..a_run() };
-        for run in [a_run(), other.clone(), alone.clone(), later.clone()] {
+        let elsewhere = Run { machine: another(), ..a_run() };
+        let news = [a_run(), elsewhere.clone(), other.clone(), alone.clone(), later.clone()];
+        for run in news {
             record.put(run);
         }
-        assert_eq!(record.runs, [later, alone, other]);
+        assert_eq!(record.runs, [later, alone, other, elsewhere]);
         record.write(&path).unwrap();
         assert_eq!(Record::read(&path).unwrap(), record);
         std::fs::write(&path, "{}").unwrap();

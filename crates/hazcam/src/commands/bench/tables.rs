@@ -1,7 +1,7 @@
 //! Which tables tell what came of a run, and the words beside them.
 
 use arena::engine::measures_cpu_time;
-use arena::record::{Machine, Record};
+use arena::record::Record;
 use arena::report::{self, Format, Table};
 
 use super::ablation;
@@ -151,17 +151,7 @@ fn conditions(record: &Record) -> String {
         1 => "1 thread".to_owned(),
         n => format!("{n} threads"),
     };
-    format!("{threads} per engine; {}; hazcam {}", machine_line(&record.machine), record.hazcam)
-}
-
-/// A machine in a line.
-pub fn machine_line(machine: &Machine) -> String {
-    format!(
-        "{}, {} cores, {}",
-        machine.cpu.as_deref().unwrap_or(&machine.architecture),
-        machine.cores,
-        machine.level.as_deref().unwrap_or("vector level unknown"),
-    )
+    format!("{threads} per engine; {}; hazcam {}", record.machine, record.hazcam)
 }
 
 fn summary_note(reference: Option<&str>) -> String {

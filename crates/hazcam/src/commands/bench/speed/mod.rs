@@ -41,8 +41,8 @@ pub struct SpeedArguments {
     #[arg(long, requires = "speed", conflicts_with = "data")]
     sweep: bool,
 
-    /// Keep the runs in this JSON file, in the place of those of the same size and number of threads;
-    /// --into then shows all that it holds
+    /// Keep the runs in this JSON file, in the place of those of the same size, number of threads and
+    /// machine; --into then shows all that it holds
     #[arg(long, value_name = "FILE", requires = "speed")]
     record: Option<PathBuf>,
 

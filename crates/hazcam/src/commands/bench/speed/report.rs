@@ -3,7 +3,6 @@
 use arena::report::{Format, Table};
 use arena::speed::{self, Record, Run};
 
-use super::super::tables::machine_line;
 use crate::wrap::wrapped;
 
 /// What the times hold. They are medians unless a column says otherwise.
@@ -82,7 +81,7 @@ fn conditions(runs: &[Run]) -> Vec<String> {
         let opencv = opencv.and_then(|found| found.version.as_deref());
         let line = format!(
             "{}, {} {}; hazcam {}{}; {}; made by `{}`",
-            machine_line(machine),
+            machine,
             machine.architecture,
             machine.system,
             run.hazcam,
