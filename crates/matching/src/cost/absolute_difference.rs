@@ -42,7 +42,7 @@ impl FilteredRows {
         // A row as it is and, at 16 bits, smoothed; extended; the ring; a row outside.
         (1 + size_of::<u32>()) * space.width
             + layout.left()
-            + space.count
+            + layout.count()
             + KEPT * (layout.left() + layout.right())
             + layout.right()
             + 3 * LINE
@@ -51,7 +51,7 @@ impl FilteredRows {
     /// Makes room for the rows of a search space.
     pub fn begin(&mut self, space: &SearchSpace, layout: &Layout) {
         self.whole.resize(space.width, 0);
-        self.extended.resize(layout.left() + space.count - 1, 0);
+        self.extended.resize(layout.left() + layout.count() - 1, 0);
         self.left.refill(KEPT * layout.left(), 0);
         self.right.refill(KEPT * layout.right(), 0);
         self.nothing.refill(layout.right(), 0);

@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use crate::cost::SearchSpace;
-use crate::kernels::sad::RADIUS;
+use crate::kernels::sad::{RADIUS, TOGETHER};
 
 /// Columns of a vector.
 pub(crate) const LANES: usize = 64;
@@ -30,7 +30,8 @@ pub(crate) struct Layout {
     first_vectors: [usize; WINDOW],
     /// Columns that are answered.
     answered: usize,
-    /// Disparities.
+    /// Disparities that are tried, and as many rounded up to those that are compared together.
+    tried: usize,
     count: usize,
     /// Columns inside the image, as far as windows reach, of those that windows see.
     inside: (usize, usize),
@@ -45,12 +46,14 @@ impl Layout {
         let seen = space.columns() + 2 * RADIUS;
         let stripe = seen.div_ceil(LANES);
         let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
-        let right_first = space.first as i64 - i64::from(space.min) - (space.count as i64 - 1);
+        let count = space.count.next_multiple_of(TOGETHER);
+        let right_first = space.first as i64 - i64::from(space.min) - (count as i64 - 1);
         let layout = Self {
             stripe,
             first_vectors: [0; WINDOW],
             answered: space.columns(),
-            count: space.count,
+            tried: space.count,
+            count,
             inside: (RADIUS.saturating_sub(space.first), end),
             right_first,
             width: space.width,
@@ -65,6 +68,11 @@ impl Layout {
     }
 
     /// Disparities that are tried.
+    pub fn tried(&self) -> usize {
+        self.tried
+    }
+
+    /// As many, rounded up to those that are compared together.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -204,7 +212,7 @@ mod tests {
     fn neighbours_are_in_vectors_that_follow_each_other() {
         // 130 columns and four to each side: 64 stripes of three.
         let layout = layout(130, (0, 20));
-        assert_eq!((layout.left(), layout.right()), (3 * LANES, (3 + 20) * LANES));
+        assert_eq!((layout.left(), layout.right()), (3 * LANES, (3 + 23) * LANES));
         assert_eq!([0, 1, 2, 3].map(|column| layout.byte(column)), [0, LANES, 2 * LANES, 1]);
         // Of sums the even lanes come first.
         assert_eq!([0, 3, 6].map(|column| layout.place(column)), [0, LANES / 2, 1]);
@@ -235,8 +243,8 @@ mod tests {
     fn a_right_row_has_what_is_compared_in_the_same_lane() {
         let (columns, range) = (200, (-3, 11));
         let layout = layout(columns, range);
-        let count = (range.1 - range.0 + 1) as usize;
-        let line: Vec<u8> = (0..layout.left() + count - 1).map(|i| (i * 37 % 251) as u8).collect();
+        let line: Vec<u8> =
+            (0..layout.left() + layout.count() - 1).map(|i| (i * 37 % 251) as u8).collect();
         let mut row = vec![0; layout.right()];
         layout.spread_right(&line, &mut row);
         for (vector, lanes) in row.as_chunks::<LANES>().0.iter().enumerate() {

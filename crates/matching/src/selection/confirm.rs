@@ -42,7 +42,7 @@ at_every_level! {
                 let right = winners.right_places[x + layout.shift(usize::from(index[lane]))];
                 opposite[lane] = winners.right_index[right as usize];
             }
-            let last = (layout.count() - 1) as u16;
+            let last = (layout.tried() - 1) as u16;
             let valleys = (&mut steps, &mut sure);
             evaluate(index, &opposite, least, before, after, last, numbers, valleys);
             for (stripe, x) in (j..n).step_by(layout.stripe()).enumerate() {

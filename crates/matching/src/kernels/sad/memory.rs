@@ -4,10 +4,12 @@ use super::{OUT, TOGETHER};
 use crate::kernels::aligned::{Aligned, LINE};
 use crate::kernels::stripes::{LANES, Layout};
 
-/// Sums have this bit where the left column is not answered, and the other where the match is outside. The
-/// sign's is not used: older processors compare numbers with signs alone.
-const BEYOND: u16 = OUT;
-const OUTSIDE: u16 = OUT << 1;
+/// Sums have this bit where a disparity is not tried but makes up their number, the next one where the left
+/// column is not answered, and the third where the match is outside. The sign's is not used: older processors
+/// compare numbers with signs alone.
+pub(super) const UNTRIED: u16 = OUT;
+const BEYOND: u16 = OUT << 1;
+const OUTSIDE: u16 = OUT << 2;
 
 /// Bytes before the columns' sums: of each disparity that is compared together a vector.
 pub(super) const BEFORE: usize = TOGETHER * LANES;
@@ -42,7 +44,8 @@ impl Winners<'_> {
             let place = layout.place(x);
             let k = self.index[place];
             let apart = layout.shift(usize::from(k));
-            let after = if apart == 0 { OUT } else { self.after[place] };
+            let is_last = usize::from(k) + 1 == layout.tried();
+            let after = if is_last { OUT } else { self.after[place] };
             let opposite = self.right_index[self.right_places[x + apart] as usize];
             [k, self.least[place], self.before[place], after, opposite]
         };
@@ -64,8 +67,6 @@ pub(crate) struct Sad {
     pub(super) index: Aligned<u16>,
     pub(super) before: Aligned<u16>,
     pub(super) after: Aligned<u16>,
-    /// `C` of the last disparity that was tried.
-    pub(super) last: Aligned<u16>,
     /// Of the right view the least sums and their indices, as its rows lie.
     pub(super) right_least: Aligned<u16>,
     pub(super) right_index: Aligned<u16>,
@@ -103,9 +104,9 @@ impl Sad {
         let (left, right) = (layout.left(), layout.right());
         let sums = BEFORE + layout.count() * left + LANES + left;
         let costs = TOGETHER * (left + MARGINS * LANES);
-        let rows = 7 * left + 4 * right + 2 * LANES;
+        let rows = 6 * left + 4 * right + 2 * LANES;
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
-        sums + size_of::<u16>() * (costs + rows) + tables + 14 * LINE
+        sums + size_of::<u16>() * (costs + rows) + tables + 13 * LINE
     }
 
     /// Begins a band of rows with an empty window.
@@ -113,9 +114,7 @@ impl Sad {
         let (left, right) = (layout.left(), layout.right());
         self.columns.refill(BEFORE + layout.count() * left + LANES, 0);
         self.costs.refill(TOGETHER * (left + MARGINS * LANES), OUT);
-        for row in
-            [&mut self.least, &mut self.index, &mut self.before, &mut self.after, &mut self.last]
-        {
+        for row in [&mut self.least, &mut self.index, &mut self.before, &mut self.after] {
             row.refill(left, 0);
         }
         for row in [&mut self.right_least, &mut self.right_index] {

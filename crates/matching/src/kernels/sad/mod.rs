@@ -26,7 +26,7 @@
 
 mod memory;
 
-use self::memory::BEFORE;
+use self::memory::{BEFORE, UNTRIED};
 pub(crate) use self::memory::{Sad, Winners};
 use super::level::at_every_level;
 use super::stripes::{LANES, Layout};
@@ -36,10 +36,10 @@ pub(crate) const RADIUS: usize = 4;
 /// No difference of the filtered images may be larger: sums down a column must fit a byte.
 pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / (2 * RADIUS as u8 + 1);
 /// Sums from here on stand for "cannot be tried": no sum over the window comes near.
-pub(crate) const OUT: u16 = 0x2000;
+pub(crate) const OUT: u16 = 0x1000;
 
-/// So many disparities are compared together, at the end of the range single ones.
-const TOGETHER: usize = 4;
+/// So many disparities are compared together; at the end of the range some of them are not tried.
+pub(crate) const TOGETHER: usize = 4;
 
 /// Operations on bytes per pixel and disparity: two differences of two each that are added and taken
 /// away, and what lies outside left out; of 16 bits two halves of what enters and leaves, an addition, a
@@ -63,12 +63,8 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        let whole = layout.count() / TOGETHER * TOGETHER;
-        for k in (0..whole).step_by(TOGETHER) {
-            slide_columns::<TOGETHER>(sad, layout, k, entering, leaving);
-        }
-        for k in whole..layout.count() {
-            slide_columns::<1>(sad, layout, k, entering, leaving);
+        for k in (0..layout.count()).step_by(TOGETHER) {
+            slide_columns(sad, layout, k, entering, leaving);
         }
     }
 
@@ -80,19 +76,11 @@ at_every_level! {
         leaving: RowPair<'_>,
     ) {
         // Indices stay: where a sum is the least so far, its own is written.
-        for row in [&mut sad.least, &mut sad.last, &mut sad.right_least] {
+        for row in [&mut sad.least, &mut sad.right_least, &mut sad.costs] {
             row.fill(OUT);
         }
-        let whole = layout.count() / TOGETHER * TOGETHER;
-        for k in (0..whole).step_by(TOGETHER) {
-            match_some::<TOGETHER>(sad, layout, k, entering, leaving);
-        }
-        for k in whole..layout.count() {
-            match_some::<1>(sad, layout, k, entering, leaving);
-        }
-        if whole < layout.count() {
-            // Single disparities wrote over the margins of those that are compared together.
-            sad.costs.fill(OUT);
+        for k in (0..layout.count()).step_by(TOGETHER) {
+            match_some(sad, layout, k, entering, leaving);
         }
         gather_right(sad, layout);
     }
@@ -126,20 +114,22 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
     &mut samples[at..].as_chunks_mut().0[..count]
 }
 
-/// So many times `N` vectors of pairs from a place on.
+/// A vector of pairs of each disparity that is compared together.
+type Pairs = [[[u8; 2]; LANES / 2]; TOGETHER];
+/// A vector of sums of each of them.
+type Sums = [[u16; LANES]; TOGETHER];
+
+/// So many such vectors of pairs from a place on.
 #[inline(always)]
-fn pairs_side_by_side<const N: usize>(
-    samples: &[u8],
-    at: usize,
-    count: usize,
-) -> &[[[[u8; 2]; LANES / 2]; N]] {
+fn pairs_side_by_side(samples: &[u8], at: usize, count: usize) -> &[Pairs] {
     &samples[at..].as_chunks().0.as_chunks().0.as_chunks().0[..count]
 }
 
-/// Where the vectors of `N` disparities stand side by side of which one alone would begin at a byte.
+/// Where the vectors of all disparities that are compared together stand of which one alone would begin at a
+/// byte.
 #[inline(always)]
-fn place_of_all<const N: usize>(byte: usize) -> usize {
-    byte / LANES * N * LANES + byte % LANES
+fn place_of_all(byte: usize) -> usize {
+    byte / LANES * TOGETHER * LANES + byte % LANES
 }
 
 /// The lane with the even number, then that with the odd one.
@@ -151,7 +141,7 @@ fn halves(pair: [u8; 2]) -> [u16; 2] {
 
 /// `V` of indices `k ..`, one row further down.
 #[inline(always)]
-fn slide_columns<const N: usize>(
+fn slide_columns(
     sad: &mut Sad,
     layout: &Layout,
     k: usize,
@@ -160,18 +150,18 @@ fn slide_columns<const N: usize>(
 ) {
     let count = layout.stripe();
     let columns = &mut sad.columns[BEFORE + k * layout.left()..];
-    let columns: &mut [[[u8; LANES]; N]] = columns.as_chunks_mut().0.as_chunks_mut().0;
+    let columns: &mut [[[u8; LANES]; TOGETHER]] = columns.as_chunks_mut().0.as_chunks_mut().0;
     let columns = &mut columns[..count];
     let left_in = groups(entering.left, 0, count);
     let left_out = groups(leaving.left, 0, count);
     let inside = groups(&sad.inside, 0, count);
     // What the last index is compared with comes first.
-    let right = layout.shift(k + N - 1) * LANES;
-    let right_in = groups(entering.right, right, count + N - 1);
-    let right_out = groups(leaving.right, right, count + N - 1);
+    let right = layout.shift(k + TOGETHER - 1) * LANES;
+    let right_in = groups(entering.right, right, count + TOGETHER - 1);
+    let right_out = groups(leaving.right, right, count + TOGETHER - 1);
     for j in 0..count {
-        for n in 0..N {
-            let right = j + N - 1 - n;
+        for n in 0..TOGETHER {
+            let right = j + TOGETHER - 1 - n;
             let (gain, loss) = ([&left_in[j], &right_in[right]], [&left_out[j], &right_out[right]]);
             slide_vector(&mut columns[j][n], gain[0], gain[1], loss[0], loss[1], &inside[j]);
         }
@@ -204,35 +194,35 @@ fn slide_vector(
 
 /// Slides the window of indices `k ..` down by one row, sums up along it and compares.
 #[inline(always)]
-fn match_some<const N: usize>(
+fn match_some(
     sad: &mut Sad,
     layout: &Layout,
     k: usize,
     entering: RowPair<'_>,
     leaving: RowPair<'_>,
 ) {
-    slide_columns::<N>(sad, layout, k, entering, leaving);
+    slide_columns(sad, layout, k, entering, leaving);
     let length = layout.left();
     // With the vectors before the first, and a margin.
-    let columns = &sad.columns[BEFORE + k * length - N * LANES..][..N * (length + LANES) + LANES];
-    let costs: &mut [[[u16; LANES]; N]] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
-    let costs = &mut costs[..layout.stripe() + 2 * N - 1];
-    let right = layout.shift(k + N - 1);
-    let outside = groups(&sad.outside, right * LANES, N).first_chunk().expect("as many");
-    costs[N - 1] = first_sums::<N>(columns, layout, group(&sad.beyond, 0), outside);
+    let columns = &sad.columns[BEFORE + k * length - TOGETHER * LANES..]
+        [..TOGETHER * (length + LANES) + LANES];
+    let costs: &mut [Sums] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
+    let costs = &mut costs[..layout.stripe() + 2 * TOGETHER - 1];
+    let right = layout.shift(k + TOGETHER - 1);
+    let outside = groups(&sad.outside, right * LANES, TOGETHER).first_chunk().expect("as many");
+    let tried = layout.tried().saturating_sub(k);
+    costs[TOGETHER - 1] = first_sums(columns, layout, tried, group(&sad.beyond, 0), outside);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
-        let enter: &[[_; N]] =
-            pairs_side_by_side(columns, place_of_all::<N>(LANES + enters), count);
-        let leave: &[[_; N]] = pairs_side_by_side(columns, place_of_all::<N>(first * LANES), count);
-        let outside = groups(&sad.outside_flips, (right + first) * LANES, count + N - 1);
+        let enter = pairs_side_by_side(columns, place_of_all(LANES + enters), count);
+        let leave = pairs_side_by_side(columns, place_of_all(first * LANES), count);
+        let outside = groups(&sad.outside_flips, (right + first) * LANES, count + TOGETHER - 1);
         let beyond = groups(&sad.beyond_flips, first * LANES, count);
         let least = groups_mut(&mut sad.least, first * LANES, count);
         let index = groups_mut(&mut sad.index, first * LANES, count);
         let before = groups_mut(&mut sad.before, first * LANES, count);
         let after = groups_mut(&mut sad.after, first * LANES, count);
-        let last = groups_mut(&mut sad.last, first * LANES, count);
-        let costs = &mut costs[N - 1 + first..][..count + 1];
+        let costs = &mut costs[TOGETHER - 1 + first..][..count + 1];
         for j in 0..count {
             let [from, to] = costs[j..].first_chunk_mut().expect("one before each");
             slide_along(
@@ -246,13 +236,12 @@ fn match_some<const N: usize>(
                 &mut index[j],
                 &mut before[j],
                 &mut after[j],
-                &mut last[j],
                 k,
             );
         }
     }
-    costs[N - 1] = [[OUT; LANES]; N];
-    let (right, count) = (right * LANES, layout.stripe() + N - 1);
+    costs[TOGETHER - 1] = [[OUT; LANES]; TOGETHER];
+    let (right, count) = (right * LANES, layout.stripe() + TOGETHER - 1);
     let least = groups_mut(&mut sad.right_least, right, count);
     let index = groups_mut(&mut sad.right_index, right, count);
     for ((costs, least), index) in costs[1..].array_windows().zip(least).zip(index) {
@@ -260,24 +249,27 @@ fn match_some<const N: usize>(
     }
 }
 
-/// The sums of the windows before those of the first vector, of columns with a vector before it.
+/// The sums of the windows before those of the first vector, of columns with a vector before it. Only so many
+/// disparities are `tried`.
 #[inline(always)]
-fn first_sums<const N: usize>(
+fn first_sums(
     columns: &[u8],
     layout: &Layout,
+    tried: usize,
     beyond: &[u16; LANES],
-    outside: &[[u16; LANES]; N],
-) -> [[u16; LANES]; N] {
-    let mut sums = [[0; LANES]; N];
-    for n in 0..N {
+    outside: &Sums,
+) -> Sums {
+    let mut sums = [[0; LANES]; TOGETHER];
+    for n in 0..TOGETHER {
         // What the last index is compared with comes first.
-        let outside = &outside[N - 1 - n];
+        let outside = &outside[TOGETHER - 1 - n];
+        let untried = if n < tried { 0 } else { UNTRIED };
         for l in 0..LANES {
-            sums[n][l] = beyond[l] | outside[l];
+            sums[n][l] = beyond[l] | outside[l] | untried;
         }
     }
     for at in layout.first_vectors() {
-        let vectors = pairs_side_by_side(columns, place_of_all::<N>(at), 1);
+        let vectors = pairs_side_by_side(columns, place_of_all(at), 1);
         add_pairs(&vectors[0], &mut sums);
     }
     sums
@@ -285,9 +277,9 @@ fn first_sums<const N: usize>(
 
 /// Adds vectors to sums.
 #[inline(always)]
-fn add_pairs<const N: usize>(vectors: &[[[u8; 2]; LANES / 2]; N], sums: &mut [[u16; LANES]; N]) {
+fn add_pairs(vectors: &Pairs, sums: &mut Sums) {
     let half = LANES / 2;
-    for n in 0..N {
+    for n in 0..TOGETHER {
         for i in 0..half {
             let entering = halves(vectors[n][i]);
             sums[n][i] += entering[0];
@@ -298,35 +290,35 @@ fn add_pairs<const N: usize>(vectors: &[[[u8; 2]; LANES / 2]; N], sums: &mut [[u
 
 /// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away.
 /// Where it begins or ends that a disparity cannot be tried, its mark flips. The sums are compared with the
-/// least ones so far of the left view; `last` are those of the index before.
+/// least ones so far of the left view; where they are put stand those of the group before.
 #[inline(always)]
-fn slide_along<const N: usize>(
-    from: &[[u16; LANES]; N],
-    enter: &[[[u8; 2]; LANES / 2]; N],
-    leave: &[[[u8; 2]; LANES / 2]; N],
+fn slide_along(
+    from: &Sums,
+    enter: &Pairs,
+    leave: &Pairs,
     beyond: &[u16; LANES],
-    outside: &[[u16; LANES]; N],
-    to: &mut [[u16; LANES]; N],
+    outside: &Sums,
+    to: &mut Sums,
     least: &mut [u16; LANES],
     index: &mut [u16; LANES],
     before: &mut [u16; LANES],
     after: &mut [u16; LANES],
-    last: &mut [u16; LANES],
     k: usize,
 ) {
     let half = LANES / 2;
     for i in 0..half {
         for odd in 0..2 {
             let l = odd * half + i;
-            let mut cost_before = last[l];
+            // Of the disparity before, until its place is taken.
+            let mut cost_before = to[TOGETHER - 1][l];
             let (mut lowest, mut place) = (least[l], index[l]);
             let (mut below, mut above) = (before[l], after[l]);
             let mut is_before = place == (k as u16).wrapping_sub(1);
-            for n in 0..N {
+            for n in 0..TOGETHER {
                 let (gain, loss) = (halves(enter[n][i])[odd], halves(leave[n][i])[odd]);
                 let cost = from[n][l].wrapping_add(gain).wrapping_sub(loss);
                 // What the last index is compared with comes first.
-                let cost = cost ^ beyond[l] ^ outside[N - 1 - n][l];
+                let cost = cost ^ beyond[l] ^ outside[TOGETHER - 1 - n][l];
                 to[n][l] = cost;
                 let is_less = (cost as i16) < lowest as i16;
                 above = if is_before { cost } else { above };
@@ -335,7 +327,7 @@ fn slide_along<const N: usize>(
                 lowest = (lowest as i16).min(cost as i16) as u16;
                 (cost_before, is_before) = (cost, is_less);
             }
-            (least[l], index[l], last[l]) = (lowest, place, cost_before);
+            (least[l], index[l]) = (lowest, place);
             (before[l], after[l]) = (below, above);
         }
     }
@@ -344,15 +336,15 @@ fn slide_along<const N: usize>(
 /// Compares the sums of indices `k ..` with the least ones so far of the right view: what matches the same
 /// right columns stands one vector further on at every index.
 #[inline(always)]
-fn compare_right<const N: usize>(
-    costs: &[[[u16; LANES]; N]; N],
+fn compare_right(
+    costs: &[Sums; TOGETHER],
     least: &mut [u16; LANES],
     index: &mut [u16; LANES],
     k: usize,
 ) {
     for l in 0..LANES {
         let (mut lowest, mut place) = (least[l], index[l]);
-        for n in 0..N {
+        for n in 0..TOGETHER {
             let cost = costs[n][n][l];
             place = if (cost as i16) < lowest as i16 { (k + n) as u16 } else { place };
             lowest = (lowest as i16).min(cost as i16) as u16;
@@ -456,7 +448,7 @@ mod tests {
         let rows = |y: usize| {
             let [mut left_row, mut right_row] = [vec![0; layout.left()], vec![0; layout.right()]];
             layout.spread(&extended(left, y, first, layout.left()), &mut left_row);
-            let extended = extended(right, y, least, layout.left() + space.count - 1);
+            let extended = extended(right, y, least, layout.left() + layout.count() - 1);
             layout.spread_right(&extended, &mut right_row);
             [left_row, right_row]
         };
