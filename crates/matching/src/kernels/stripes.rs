@@ -30,7 +30,7 @@ pub(crate) struct Layout {
     first_vectors: [usize; WINDOW],
     /// Columns that are answered.
     answered: usize,
-    /// Disparities that are tried, and as many rounded up to those that are compared together.
+    /// Disparities that are tried, and as many rounded up to whole groups of those compared together.
     tried: usize,
     count: usize,
     /// Columns inside the image, as far as windows reach, of those that windows see.
@@ -72,7 +72,7 @@ impl Layout {
         self.tried
     }
 
-    /// As many, rounded up to those that are compared together.
+    /// As many, rounded up to whole groups of those that are compared together.
     pub fn count(&self) -> usize {
         self.count
     }

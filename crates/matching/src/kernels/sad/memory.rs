@@ -59,8 +59,8 @@ pub(crate) struct Sad {
     /// `V`: of disparities that are compared together vector beside vector, and [`BEFORE`] the first ones;
     /// after the last a vector more.
     pub(super) columns: Aligned<u8>,
-    /// `C` of the disparities that are compared together, vector beside vector, between two margins. Where a
-    /// disparity cannot be tried, and in the margins, stands [`OUT`].
+    /// `C` of the disparities that are compared together, vector beside vector, between two margins: [`OUT`] or
+    /// more where a disparity cannot be tried, in the margins, and everywhere before a row.
     pub(super) costs: Aligned<u16>,
     /// Of the left view the least sums, their indices, and the sums beside them.
     pub(super) least: Aligned<u16>,

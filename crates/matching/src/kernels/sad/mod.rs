@@ -75,7 +75,8 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        // Indices stay: where a sum is the least so far, its own is written.
+        // Indices stay: where a sum is the least so far, its own is written. The first group finds the sums before
+        // it where its own will stand.
         for row in [&mut sad.least, &mut sad.right_least, &mut sad.costs] {
             row.fill(OUT);
         }
@@ -168,8 +169,8 @@ fn slide_columns(
     }
 }
 
-/// Both are at most [`LARGEST_DIFFERENCE`], so the signed difference fits a byte: that is one operation less
-/// than for any two bytes.
+/// Of two samples, both at most [`LARGEST_DIFFERENCE`]: the signed difference fits a byte, which is one operation
+/// less than for any two bytes.
 #[inline(always)]
 fn difference(left: u8, right: u8) -> u8 {
     (left as i8).wrapping_sub(right as i8).unsigned_abs()
