@@ -156,9 +156,9 @@ impl Layout {
     }
 
     /// Whether a column of the left image is answered that lies at a place of a row of sums, counted from the
-    /// vector before the first.
+    /// vector before the first, of which none is.
     pub fn is_answered(&self, place: usize) -> bool {
-        (1..=self.answered).contains(&self.column(place))
+        place >= LANES && self.column(place) <= self.answered
     }
 
     /// Whether a column of the right image exists that lies at a place of a right row of sums, counted from the

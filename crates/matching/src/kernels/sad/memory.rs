@@ -13,9 +13,8 @@ const OUTSIDE: u16 = OUT << 2;
 
 /// Bytes before the columns' sums: of each disparity that is compared together a vector.
 pub(super) const BEFORE: usize = TOGETHER * LANES;
-/// Vectors of a disparity in both margins of the costs: as many before the first as are compared together,
-/// and one less after the last.
-const MARGINS: usize = 2 * TOGETHER - 1;
+/// Sums of all disparities that are compared together but the last, in as many vectors.
+const RECENT: usize = TOGETHER * (TOGETHER - 1) * LANES;
 
 /// What won in one row, in stripes. An index is that of a row before where nothing could be tried.
 #[derive(Debug, Clone, Copy)]
@@ -59,9 +58,10 @@ pub(crate) struct Sad {
     /// `V`: of disparities that are compared together vector beside vector, and [`BEFORE`] the first ones;
     /// after the last a vector more.
     pub(super) columns: Aligned<u8>,
-    /// `C` of the disparities that are compared together, vector beside vector, between two margins: [`OUT`] or
-    /// more where a disparity cannot be tried, in the margins, and everywhere before a row.
-    pub(super) costs: Aligned<u16>,
+    /// `C` of the disparities that are compared together, [`OUT`] or more where one cannot be tried: of the last
+    /// of them in all vectors, after that before the first, and of the others in as many vectors as there are.
+    pub(super) last: Aligned<u16>,
+    pub(super) recent: Aligned<u16>,
     /// Of the left view the least sums, their indices, and the sums beside them.
     pub(super) least: Aligned<u16>,
     pub(super) index: Aligned<u16>,
@@ -103,17 +103,18 @@ impl Sad {
     pub fn bytes(layout: &Layout) -> usize {
         let (left, right) = (layout.left(), layout.right());
         let sums = BEFORE + layout.count() * left + LANES + left;
-        let costs = TOGETHER * (left + MARGINS * LANES);
+        let costs = left + LANES + RECENT;
         let rows = 6 * left + 4 * right + 2 * LANES;
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
-        sums + size_of::<u16>() * (costs + rows) + tables + 13 * LINE
+        sums + size_of::<u16>() * (costs + rows) + tables + 14 * LINE
     }
 
     /// Begins a band of rows with an empty window.
     pub fn begin(&mut self, layout: &Layout) {
         let (left, right) = (layout.left(), layout.right());
         self.columns.refill(BEFORE + layout.count() * left + LANES, 0);
-        self.costs.refill(TOGETHER * (left + MARGINS * LANES), OUT);
+        self.last.refill(left + LANES, OUT);
+        self.recent.refill(RECENT, OUT);
         for row in [&mut self.least, &mut self.index, &mut self.before, &mut self.after] {
             row.refill(left, 0);
         }

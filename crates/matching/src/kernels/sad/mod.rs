@@ -77,7 +77,7 @@ at_every_level! {
     ) {
         // Indices stay: where a sum is the least so far, its own is written. The first group finds the sums before
         // it where its own will stand.
-        for row in [&mut sad.least, &mut sad.right_least, &mut sad.costs] {
+        for row in [&mut sad.least, &mut sad.right_least, &mut sad.last] {
             row.fill(OUT);
         }
         for k in (0..layout.count()).step_by(TOGETHER) {
@@ -119,6 +119,8 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
 type Pairs = [[[u8; 2]; LANES / 2]; TOGETHER];
 /// A vector of sums of each of them.
 type Sums = [[u16; LANES]; TOGETHER];
+/// The same, of all but the last of them.
+type SumsBeforeLast = [[u16; LANES]; TOGETHER - 1];
 
 /// So many such vectors of pairs from a place on.
 #[inline(always)]
@@ -207,12 +209,24 @@ fn match_some(
     // With the vectors before the first, and a margin.
     let columns = &sad.columns[BEFORE + k * length - TOGETHER * LANES..]
         [..TOGETHER * (length + LANES) + LANES];
-    let costs: &mut [Sums] = sad.costs.as_chunks_mut().0.as_chunks_mut().0;
-    let costs = &mut costs[..layout.stripe() + 2 * TOGETHER - 1];
     let right = layout.shift(k + TOGETHER - 1);
     let outside = groups(&sad.outside, right * LANES, TOGETHER).first_chunk().expect("as many");
     let tried = layout.tried().saturating_sub(k);
-    costs[TOGETHER - 1] = first_sums(columns, layout, tried, group(&sad.beyond, 0), outside);
+    let first_sums = first_sums(columns, layout, tried, group(&sad.beyond, 0), outside);
+    let [before_last @ .., of_last] = first_sums;
+    // Of the last four vectors, the latest in front; where the next one will stand.
+    let recent: &mut [[u16; LANES]] = sad.recent.as_chunks_mut().0;
+    let recent: &mut [SumsBeforeLast; TOGETHER] =
+        recent.as_chunks_mut().0.first_chunk_mut().expect("four");
+    let [mut latest, mut second, mut third, mut next] = recent.each_mut();
+    *latest = before_last;
+    (second[0], second[1], third[0]) = ([OUT; LANES], [OUT; LANES], [OUT; LANES]);
+    let last = groups_mut(&mut sad.last, 0, layout.stripe() + 1);
+    last[0] = of_last;
+    let right_least =
+        groups_mut(&mut sad.right_least, right * LANES, layout.stripe() + TOGETHER - 1);
+    let right_index =
+        groups_mut(&mut sad.right_index, right * LANES, layout.stripe() + TOGETHER - 1);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
         let enter = pairs_side_by_side(columns, place_of_all(LANES + enters), count);
@@ -223,30 +237,43 @@ fn match_some(
         let index = groups_mut(&mut sad.index, first * LANES, count);
         let before = groups_mut(&mut sad.before, first * LANES, count);
         let after = groups_mut(&mut sad.after, first * LANES, count);
-        let costs = &mut costs[TOGETHER - 1 + first..][..count + 1];
+        let last = &mut last[first..][..count + 1];
+        let right_least = &mut right_least[first..][..count];
+        let right_index = &mut right_index[first..][..count];
         for j in 0..count {
-            let [from, to] = costs[j..].first_chunk_mut().expect("one before each");
+            let [from_last, to_last] = last[j..].first_chunk_mut().expect("one before each");
             slide_along(
-                from,
+                latest,
+                from_last,
                 &enter[j],
                 &leave[j],
                 &beyond[j],
                 outside[j..].first_chunk().expect("one more than disparities"),
-                to,
+                next,
+                to_last,
                 &mut least[j],
                 &mut index[j],
                 &mut before[j],
                 &mut after[j],
                 k,
             );
+            compare_right(
+                [&third[0], &second[1], &latest[2], to_last],
+                &mut right_least[j],
+                &mut right_index[j],
+                k,
+            );
+            (latest, second, third, next) = (next, latest, second, third);
         }
     }
-    costs[TOGETHER - 1] = [[OUT; LANES]; TOGETHER];
-    let (right, count) = (right * LANES, layout.stripe() + TOGETHER - 1);
-    let least = groups_mut(&mut sad.right_least, right, count);
-    let index = groups_mut(&mut sad.right_index, right, count);
-    for ((costs, least), index) in costs[1..].array_windows().zip(least).zip(index) {
-        compare_right(costs, least, index, k);
+    // Beyond the last vector.
+    let out = &[OUT; LANES];
+    for (j, costs) in (layout.stripe()..).zip([
+        [&third[0], &second[1], &latest[2], out],
+        [&second[0], &latest[1], out, out],
+        [&latest[0], out, out, out],
+    ]) {
+        compare_right(costs, &mut right_least[j], &mut right_index[j], k);
     }
 }
 
@@ -291,15 +318,17 @@ fn add_pairs(vectors: &Pairs, sums: &mut Sums) {
 
 /// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away.
 /// Where it begins or ends that a disparity cannot be tried, its mark flips. The sums are compared with the
-/// least ones so far of the left view; where they are put stand those of the group before.
+/// least ones so far of the left view; where those of the last index are put stand those of the index before `k`.
 #[inline(always)]
 fn slide_along(
-    from: &Sums,
+    from: &SumsBeforeLast,
+    from_last: &[u16; LANES],
     enter: &Pairs,
     leave: &Pairs,
     beyond: &[u16; LANES],
     outside: &Sums,
-    to: &mut Sums,
+    to: &mut SumsBeforeLast,
+    to_last: &mut [u16; LANES],
     least: &mut [u16; LANES],
     index: &mut [u16; LANES],
     before: &mut [u16; LANES],
@@ -310,17 +339,22 @@ fn slide_along(
     for i in 0..half {
         for odd in 0..2 {
             let l = odd * half + i;
-            // Of the disparity before, until its place is taken.
-            let mut cost_before = to[TOGETHER - 1][l];
+            let mut cost_before = to_last[l];
             let (mut lowest, mut place) = (least[l], index[l]);
             let (mut below, mut above) = (before[l], after[l]);
             let mut is_before = place == (k as u16).wrapping_sub(1);
             for n in 0..TOGETHER {
                 let (gain, loss) = (halves(enter[n][i])[odd], halves(leave[n][i])[odd]);
-                let cost = from[n][l].wrapping_add(gain).wrapping_sub(loss);
+                let is_last = n == TOGETHER - 1;
+                let from = if is_last { from_last[l] } else { from[n][l] };
+                let cost = from.wrapping_add(gain).wrapping_sub(loss);
                 // What the last index is compared with comes first.
                 let cost = cost ^ beyond[l] ^ outside[TOGETHER - 1 - n][l];
-                to[n][l] = cost;
+                if is_last {
+                    to_last[l] = cost;
+                } else {
+                    to[n][l] = cost;
+                }
                 let is_less = (cost as i16) < lowest as i16;
                 above = if is_before { cost } else { above };
                 below = if is_less { cost_before } else { below };
@@ -338,7 +372,7 @@ fn slide_along(
 /// right columns stands one vector further on at every index.
 #[inline(always)]
 fn compare_right(
-    costs: &[Sums; TOGETHER],
+    costs: [&[u16; LANES]; TOGETHER],
     least: &mut [u16; LANES],
     index: &mut [u16; LANES],
     k: usize,
@@ -346,7 +380,7 @@ fn compare_right(
     for l in 0..LANES {
         let (mut lowest, mut place) = (least[l], index[l]);
         for n in 0..TOGETHER {
-            let cost = costs[n][n][l];
+            let cost = costs[n][l];
             place = if (cost as i16) < lowest as i16 { (k + n) as u16 } else { place };
             lowest = (lowest as i16).min(cost as i16) as u16;
         }
