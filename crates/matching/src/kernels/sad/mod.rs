@@ -16,7 +16,9 @@
 //!    [`LARGEST_DIFFERENCE`], so `V` fits a byte: 7 operations for 64 columns.
 //! 2. `C` is slid along the row: what enters the window is added, what leaves it taken away.
 //! 3. The least sums of both views, their indices, and those beside the left view's: column `x` of the left
-//!    is column `x - min - k` of the right, so both are a comparison with a row of minima.
+//!    is column `x - min - k` of the right, so both are a comparison with a row of minima. The right view
+//!    compares each disparity's sum of another column, none more than three vectors back: no row of sums is kept
+//!    but that of the disparity beside the next ones.
 //!
 //! Everything is an operation on whole vectors that begin where a cache line does, and no vector is
 //! ever folded into one number. (With the disparities of a column side by side, as OpenCV has them,
@@ -223,10 +225,9 @@ fn match_some(
     (second[0], second[1], third[0]) = ([OUT; LANES], [OUT; LANES], [OUT; LANES]);
     let last = groups_mut(&mut sad.last, 0, layout.stripe() + 1);
     last[0] = of_last;
-    let right_least =
-        groups_mut(&mut sad.right_least, right * LANES, layout.stripe() + TOGETHER - 1);
-    let right_index =
-        groups_mut(&mut sad.right_index, right * LANES, layout.stripe() + TOGETHER - 1);
+    let rights = layout.stripe() + TOGETHER - 1;
+    let right_least = groups_mut(&mut sad.right_least, right * LANES, rights);
+    let right_index = groups_mut(&mut sad.right_index, right * LANES, rights);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
         let enter = pairs_side_by_side(columns, place_of_all(LANES + enters), count);
@@ -277,7 +278,8 @@ fn match_some(
     }
 }
 
-/// The sums of the windows before those of the first vector, of columns with a vector before it. Only so many
+/// The sums of the windows before those of the first vector, of columns with a vector before it. Whatever that
+/// holds is in these sums, and leaves with the next step: until then none of them is to count. Only so many
 /// disparities are `tried`.
 #[inline(always)]
 fn first_sums(
