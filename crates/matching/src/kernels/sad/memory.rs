@@ -8,7 +8,7 @@ use crate::kernels::stripes::{LANES, Layout};
 /// column is not answered, and the third where the match is outside. The sign's is not used: older processors
 /// compare numbers with signs alone.
 pub(super) const UNTRIED: u16 = OUT;
-const BEYOND: u16 = OUT << 1;
+pub(super) const BEYOND: u16 = OUT << 1;
 const OUTSIDE: u16 = OUT << 2;
 
 /// Bytes before the columns' sums: of each disparity that is compared together a vector.
@@ -78,9 +78,8 @@ pub(crate) struct Sad {
     /// and where that differs from the vector before.
     pub(super) outside: Aligned<u16>,
     pub(super) outside_flips: Aligned<u16>,
-    /// [`BEYOND`] where left columns are not answered, in the vector before a row; and where that differs
-    /// from the vector before.
-    pub(super) beyond: Aligned<u16>,
+    /// [`BEYOND`] where a left column is answered and the one in the vector before is not, or the other way round;
+    /// before a row none is.
     pub(super) beyond_flips: Aligned<u16>,
     /// Of what layout these tables are.
     prepared_for: Option<Layout>,
@@ -104,9 +103,9 @@ impl Sad {
         let (left, right) = (layout.left(), layout.right());
         let sums = BEFORE + layout.count() * left + LANES + left;
         let costs = left + LANES + RECENT;
-        let rows = 6 * left + 4 * right + 2 * LANES;
+        let rows = 5 * left + 4 * right + LANES;
         let tables = size_of::<u32>() * (layout.answered() + layout.count());
-        sums + size_of::<u16>() * (costs + rows) + tables + 14 * LINE
+        sums + size_of::<u16>() * (costs + rows) + tables + 13 * LINE
     }
 
     /// Begins a band of rows with an empty window.
@@ -129,20 +128,18 @@ impl Sad {
         for (mask, place) in self.inside.iter_mut().zip(0..) {
             *mask = if layout.is_inside(layout.column_of_byte(place)) { u8::MAX } else { 0 };
         }
-        for (bit, row, flips, length, is_tried) in [
-            (OUTSIDE, &mut self.outside, &mut self.outside_flips, right, Layout::is_match_inside),
-            (BEYOND, &mut self.beyond, &mut self.beyond_flips, left, Layout::is_answered),
-        ]
-            as [(_, _, _, _, fn(&Layout, usize) -> bool); 2]
-        {
-            row.refill(length + LANES, 0);
-            for (sample, place) in row.iter_mut().zip(0..) {
-                *sample = if is_tried(layout, place) { 0 } else { bit };
-            }
-            flips.refill(length, 0);
-            for (place, flip) in flips.iter_mut().enumerate() {
-                *flip = row[place] ^ row[place + LANES];
-            }
+        self.outside.refill(right + LANES, 0);
+        for (sample, place) in self.outside.iter_mut().zip(0..) {
+            *sample = if layout.is_match_inside(place) { 0 } else { OUTSIDE };
+        }
+        self.outside_flips.refill(right, 0);
+        for (flip, pair) in self.outside_flips.iter_mut().zip(self.outside.windows(LANES + 1)) {
+            *flip = pair[0] ^ pair[LANES];
+        }
+        self.beyond_flips.refill(left, 0);
+        for (flip, place) in self.beyond_flips.iter_mut().zip(0..) {
+            let changes = layout.is_answered(place) != layout.is_answered(place + LANES);
+            *flip = if changes { BEYOND } else { 0 };
         }
         self.right_places.clear();
         let rights = layout.answered() + layout.count() - 1;

@@ -28,7 +28,7 @@
 
 mod memory;
 
-use self::memory::{BEFORE, UNTRIED};
+use self::memory::{BEFORE, BEYOND, UNTRIED};
 pub(crate) use self::memory::{Sad, Winners};
 use super::level::at_every_level;
 use super::stripes::{LANES, Layout};
@@ -214,7 +214,7 @@ fn match_some(
     let right = layout.shift(k + TOGETHER - 1);
     let outside = groups(&sad.outside, right * LANES, TOGETHER).first_chunk().expect("as many");
     let tried = layout.tried().saturating_sub(k);
-    let first_sums = first_sums(columns, layout, tried, group(&sad.beyond, 0), outside);
+    let first_sums = first_sums(columns, layout, tried, outside);
     let [before_last @ .., of_last] = first_sums;
     // Of the last four vectors, the latest in front; where the next one will stand.
     let recent: &mut [[u16; LANES]] = sad.recent.as_chunks_mut().0;
@@ -282,20 +282,14 @@ fn match_some(
 /// holds is in these sums, and leaves with the next step: until then none of them is to count. Only so many
 /// disparities are `tried`.
 #[inline(always)]
-fn first_sums(
-    columns: &[u8],
-    layout: &Layout,
-    tried: usize,
-    beyond: &[u16; LANES],
-    outside: &Sums,
-) -> Sums {
+fn first_sums(columns: &[u8], layout: &Layout, tried: usize, outside: &Sums) -> Sums {
     let mut sums = [[0; LANES]; TOGETHER];
     for n in 0..TOGETHER {
         // What the last index is compared with comes first.
         let outside = &outside[TOGETHER - 1 - n];
         let untried = if n < tried { 0 } else { UNTRIED };
         for l in 0..LANES {
-            sums[n][l] = beyond[l] | outside[l] | untried;
+            sums[n][l] = BEYOND | outside[l] | untried;
         }
     }
     for at in layout.first_vectors() {
