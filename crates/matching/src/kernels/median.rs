@@ -86,15 +86,17 @@ pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
     }
 }
 
-/// The smaller number first.
+/// The smaller number first. The larger one is what is left of both: for that operation processors have more
+/// units than for a maximum.
 #[inline(always)]
-pub(crate) fn order<T: PartialOrd + Copy>(a: &mut T, b: &mut T) {
-    (*a, *b) = if *b < *a { (*b, *a) } else { (*a, *b) };
+fn order(a: &mut u16, b: &mut u16) {
+    let least = (*a).min(*b);
+    (*a, *b) = (least, *a ^ *b ^ least);
 }
 
 /// Nine comparisons sort five numbers.
 #[inline(always)]
-fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
+fn sort_5([a, b, c, d, e]: &mut [u16; SIDE]) {
     order(a, d);
     order(b, e);
     order(a, c);
@@ -108,7 +110,7 @@ fn sort_5<T: PartialOrd + Copy>([a, b, c, d, e]: &mut [T; SIDE]) {
 
 /// The median of five sorted columns: `window[rank][column]`.
 #[inline(always)]
-fn median_of_sorted_columns<T: PartialOrd + Copy>(mut window: [[T; SIDE]; SIDE]) -> T {
+fn median_of_sorted_columns(mut window: [[u16; SIDE]; SIDE]) -> u16 {
     // Written out: a loop of so much is not unrolled in time for pixels to be done side by side.
     let [a, b, c, d, e] = &mut window;
     sort_5(a);

@@ -6,7 +6,7 @@ use raster::Plane;
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median::{copy_with_ends, order};
+use crate::kernels::median::copy_with_ends;
 use crate::profile::Work;
 
 /// Pixels that are done together.
@@ -26,6 +26,12 @@ pub(crate) fn median_row(level: Level, values: &Plane<f32>, y: usize, out: &mut 
     let last = values.rows() - 1;
     let near = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| values.row(y));
     median_of_3_rows(level, near, out);
+}
+
+/// The smaller number first.
+#[inline(always)]
+fn order(a: &mut f32, b: &mut f32) {
+    (*a, *b) = if *b < *a { (*b, *a) } else { (*a, *b) };
 }
 
 #[inline(always)]
