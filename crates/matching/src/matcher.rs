@@ -201,7 +201,7 @@ pub(crate) mod tests {
     /// The profile of a preset on two images without a match.
     fn profile(preset: Preset, memory: Option<usize>) -> Vec<Stage> {
         let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
-        let images = [0, 40]
+        let images = [0, 20]
             .map(|shift| Image::Grey8(Plane::from_fn(90, 50, |x, y| scramble(x + shift, y))));
         let mut options = Options::new(preset, DisparityRange::new(0, 31).unwrap());
         (options.threads, options.memory) = (1, memory);

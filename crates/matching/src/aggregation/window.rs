@@ -42,7 +42,7 @@ impl SlidingWindow {
         space: &SearchSpace,
         height: usize,
         (first, count): (usize, usize),
-        mut each: impl FnMut(usize, Winners<'_>, &Layout),
+        mut each: impl FnMut(usize, &Winners, &Layout),
     ) {
         let Self { rows, sums } = self;
         let layout = Layout::new(space);

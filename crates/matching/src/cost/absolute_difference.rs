@@ -121,7 +121,7 @@ mod tests {
             let (left, right) = (whole(images[0], y), whole(images[1], y));
             let pair = rows.row(&layout, y);
             for x in 6 - RADIUS..=20 + RADIUS {
-                let place = layout.byte(x + RADIUS - 6);
+                let place = layout.place(x + RADIUS - 6);
                 assert_eq!(pair.left[place], left[x]);
                 for k in 0..space.count {
                     let match_at = (x as i64 + 3 - k as i64).clamp(0, 39) as usize;

@@ -17,6 +17,9 @@ use crate::kernels::sad::{RADIUS, TOGETHER};
 /// Columns of a vector.
 pub(crate) const LANES: usize = 64;
 
+/// So many neighbours go from stripes into a row at once.
+const NEIGHBOURS: usize = 4;
+
 /// Columns of a window.
 const WINDOW: usize = 2 * RADIUS + 1;
 
@@ -58,7 +61,7 @@ impl Layout {
             right_first,
             width: space.width,
         };
-        let vector_after = |j: usize| if j > 0 { LANES + layout.byte(j - 1) } else { 0 };
+        let vector_after = |j: usize| if j > 0 { LANES + layout.place(j - 1) } else { 0 };
         Self { first_vectors: std::array::from_fn(vector_after), ..layout }
     }
 
@@ -97,37 +100,16 @@ impl Layout {
         self.count - 1 - k
     }
 
-    /// Where a column lies in a row of bytes, and so where the vector of that number begins: what comes after
-    /// the last one is the first, moved by a lane.
+    /// Where a column lies, and so where the vector of that number begins: what comes after the last one is the
+    /// first, moved by a lane.
     #[inline(always)]
-    pub fn byte(&self, column: usize) -> usize {
+    pub fn place(&self, column: usize) -> usize {
         column % self.stripe * LANES + column / self.stripe
     }
 
     /// The column that lies there.
-    pub fn column_of_byte(&self, place: usize) -> usize {
+    pub fn column(&self, place: usize) -> usize {
         place % LANES * self.stripe + place / LANES
-    }
-
-    /// Where a column lies in a row of sums: of each vector the even lanes come first.
-    pub fn place(&self, column: usize) -> usize {
-        column % self.stripe * LANES + Self::lane_of_sums(column / self.stripe)
-    }
-
-    /// Where a lane lies in a vector of sums.
-    #[inline(always)]
-    pub fn lane_of_sums(lane: usize) -> usize {
-        lane / 2 + lane % 2 * (LANES / 2)
-    }
-
-    /// Where a column of the right image lies in a row of sums, counted from the first that a window's middle
-    /// meets: where the least of all its places is gathered.
-    pub fn right_place(&self, column: usize) -> usize {
-        let last = self.count - 1;
-        match column.checked_sub(last) {
-            Some(column) => last * LANES + self.place(column),
-            None => column * LANES,
-        }
     }
 
     /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from
@@ -146,7 +128,7 @@ impl Layout {
             let end = j + 2 * RADIUS;
             let range = j..stripe.min(j + stripe - end % stripe);
             j = range.end;
-            (!range.is_empty()).then(|| (range, self.byte(end)))
+            (!range.is_empty()).then(|| (range, self.place(end)))
         })
     }
 
@@ -155,24 +137,9 @@ impl Layout {
         (self.inside.0..self.inside.1).contains(&column)
     }
 
-    /// Whether a column of the left image is answered that lies at a place of a row of sums, counted from the
-    /// vector before the first, of which none is.
-    pub fn is_answered(&self, place: usize) -> bool {
-        place >= LANES && self.column(place) <= self.answered
-    }
-
-    /// Whether a column of the right image exists that lies at a place of a right row of sums, counted from the
-    /// vector before the first.
-    pub fn is_match_inside(&self, place: usize) -> bool {
-        let column = self.right_first + self.column(place) as i64 - 1;
-        (0..self.width as i64).contains(&column)
-    }
-
-    /// The column at a place of a row of sums.
-    fn column(&self, place: usize) -> usize {
-        let half = LANES / 2;
-        let lane = place % half * 2 + place / half % 2;
-        place / LANES + lane * self.stripe
+    /// Whether a column of the right image exists that stands in so many columns from the first of a right row on.
+    pub fn is_match_inside(&self, column: usize) -> bool {
+        (0..self.width as i64).contains(&(self.right_first + column as i64))
     }
 
     /// Puts the first columns in the places of a left row.
@@ -180,6 +147,30 @@ impl Layout {
         for (lane, columns) in columns.chunks_exact(self.stripe).take(LANES).enumerate() {
             for (vector, &column) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(columns) {
                 vector[lane] = column;
+            }
+        }
+    }
+
+    /// Puts what lies in the places of a left row in the order of the columns, four neighbours at once.
+    #[inline(always)]
+    pub fn gather(&self, row: &[u8], columns: &mut [u8]) {
+        let vectors: &[[u8; LANES]] = row.as_chunks().0;
+        let stripes = columns.chunks_exact_mut(self.stripe).take(LANES);
+        let Some(last) = self.stripe.checked_sub(NEIGHBOURS) else {
+            for (lane, stripe) in stripes.enumerate() {
+                for (column, vector) in stripe.iter_mut().zip(vectors) {
+                    *column = vector[lane];
+                }
+            }
+            return;
+        };
+        for j in (0..self.stripe).step_by(NEIGHBOURS) {
+            // Those at the end are some of the ones before once more.
+            let j = j.min(last);
+            let neighbours = side_by_side(vectors[j..].first_chunk().expect("not after the last"));
+            let stripes = columns.chunks_exact_mut(self.stripe);
+            for (stripe, neighbours) in stripes.zip(&neighbours) {
+                stripe[j..j + NEIGHBOURS].copy_from_slice(neighbours);
             }
         }
     }
@@ -198,6 +189,18 @@ impl Layout {
     }
 }
 
+/// Of vectors that follow each other the neighbours in each lane.
+#[inline(always)]
+fn side_by_side(vectors: &[[u8; LANES]; NEIGHBOURS]) -> [[u8; NEIGHBOURS]; LANES] {
+    let mut neighbours = [[0; NEIGHBOURS]; LANES];
+    for l in 0..LANES {
+        for n in 0..NEIGHBOURS {
+            neighbours[l][n] = vectors[n][l];
+        }
+    }
+    neighbours
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,11 +216,8 @@ mod tests {
         // 130 columns and four to each side: 64 stripes of three.
         let layout = layout(130, (0, 20));
         assert_eq!((layout.left(), layout.right()), (3 * LANES, (3 + 23) * LANES));
-        assert_eq!([0, 1, 2, 3].map(|column| layout.byte(column)), [0, LANES, 2 * LANES, 1]);
-        // Of sums the even lanes come first.
-        assert_eq!([0, 3, 6].map(|column| layout.place(column)), [0, LANES / 2, 1]);
+        assert_eq!([0, 1, 2, 3].map(|column| layout.place(column)), [0, LANES, 2 * LANES, 1]);
         for place in 0..layout.left() {
-            assert_eq!(layout.byte(layout.column_of_byte(place)), place);
             assert_eq!(layout.place(layout.column(place)), place);
         }
     }
@@ -231,11 +231,26 @@ mod tests {
                 assert_eq!(range.start, all);
                 for (i, vector) in range.clone().enumerate() {
                     // The first lane tells of all.
-                    assert_eq!(enters + i * LANES, layout.byte(vector + 2 * RADIUS));
+                    assert_eq!(enters + i * LANES, layout.place(vector + 2 * RADIUS));
                 }
                 all = range.end;
             }
             assert_eq!(all * LANES, layout.left());
+        }
+    }
+
+    #[test]
+    fn a_row_is_spread_and_gathered_again() {
+        for columns in [1, 57, 130, 180, 249, 500, 600] {
+            let layout = layout(columns, (0, 0));
+            let line: Vec<u8> = (0..layout.left()).map(|i| (i * 37 % 251) as u8).collect();
+            let [mut row, mut gathered] = [(); 2].map(|()| vec![0; layout.left()]);
+            layout.spread(&line, &mut row);
+            assert!(
+                line.iter().zip(0..).all(|(sample, column)| row[layout.place(column)] == *sample)
+            );
+            layout.gather(&row, &mut gathered);
+            assert_eq!(gathered, line, "{columns} columns");
         }
     }
 

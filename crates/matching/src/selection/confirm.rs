@@ -16,63 +16,63 @@
 use crate::kernels::level::at_every_level;
 use crate::kernels::rounding::nearest;
 use crate::kernels::sad::{OUT, Winners};
-use crate::kernels::stripes::{LANES, Layout};
+use crate::kernels::stripes::Layout;
 use crate::selection::fixed_point::{FixedPoint, HOLE};
 use crate::selection::winner::tip_of_v;
+
+/// So many columns are evaluated at once.
+const BLOCK: usize = 64;
 
 at_every_level! {
     /// Fills one row of `disparities` and `confidence`, a value of each for every answered column.
     pub(crate) fn confirm_row(
-        winners: Winners<'_>,
+        winners: &Winners,
         layout: &Layout,
         numbers: FixedPoint,
         disparities: &mut [u16],
         confidence: &mut [f32],
     ) {
         let n = layout.answered();
-        let (disparities, confidence) = (&mut disparities[..n], &mut confidence[..n]);
-        let (mut steps, mut sure) = ([0; LANES], [0.0; LANES]);
-        for j in 0..layout.stripe() {
-            let [index, least, before, after] =
-                [winners.index, winners.least, winners.before, winners.after]
-                    .map(|row| row[j * LANES..].first_chunk().expect("a whole vector"));
-            let mut opposite = [0; LANES];
-            for (stripe, x) in (j..n).step_by(layout.stripe()).enumerate() {
-                let lane = Layout::lane_of_sums(stripe);
-                let right = winners.right_places[x + layout.shift(usize::from(index[lane]))];
-                opposite[lane] = winners.right_index[right as usize];
+        let last = (layout.tried() - 1) as u16;
+        let rows = disparities[..n].chunks_mut(BLOCK).zip(confidence[..n].chunks_mut(BLOCK));
+        for (x, (disparities, confidence)) in (0..n).step_by(BLOCK).zip(rows) {
+            let block = x..x + disparities.len();
+            let index = &winners.index[block.clone()];
+            let mut opposite = [0; BLOCK];
+            for ((x, &k), opposite) in block.clone().zip(index).zip(&mut opposite) {
+                *opposite = winners.right_index[x + layout.shift(k.into())];
             }
-            let last = (layout.tried() - 1) as u16;
-            let valleys = (&mut steps, &mut sure);
-            evaluate(index, &opposite, least, before, after, last, numbers, valleys);
-            for (stripe, x) in (j..n).step_by(layout.stripe()).enumerate() {
-                let lane = Layout::lane_of_sums(stripe);
-                (disparities[x], confidence[x]) = (steps[lane], sure[lane]);
-            }
+            let [least, before, after] =
+                [&winners.least, &winners.before, &winners.after].map(|row| &row[block.clone()]);
+            evaluate(index, &opposite, least, before, after, last, numbers, disparities, confidence);
         }
     }
 }
 
-/// Disparities and confidence of a vector of winners. After the `last` disparity there is no other.
+/// Disparities and confidence of some winners. After the `last` disparity there is no other.
 #[inline(always)]
 fn evaluate(
-    index: &[u16; LANES],
-    opposite: &[u16; LANES],
-    least: &[u16; LANES],
-    before: &[u16; LANES],
-    after: &[u16; LANES],
+    index: &[u16],
+    opposite: &[u16],
+    least: &[u8],
+    before: &[u8],
+    after: &[u8],
     last: u16,
     numbers: FixedPoint,
-    (steps, sure): (&mut [u16; LANES], &mut [f32; LANES]),
+    disparities: &mut [u16],
+    confidence: &mut [f32],
 ) {
     let scale = f32::from(numbers.scale());
-    for l in 0..LANES {
-        let found = (least[l] < OUT) & (index[l].abs_diff(opposite[l]) <= 1);
-        let after = if index[l] < last { after[l] } else { OUT };
-        let valley = valley(before[l], least[l], after);
-        let nearest = nearest((f32::from(index[l]) + valley.fraction) * scale) as u16;
-        steps[l] = if found { nearest } else { HOLE };
-        sure[l] = if found { valley.confidence } else { 0.0 };
+    let n = disparities.len();
+    let (index, opposite, confidence) = (&index[..n], &opposite[..n], &mut confidence[..n]);
+    let (least, before, after) = (&least[..n], &before[..n], &after[..n]);
+    for i in 0..n {
+        let found = (least[i] < OUT) & (index[i].abs_diff(opposite[i]) <= 1);
+        let after = if index[i] < last { after[i] } else { OUT };
+        let valley = valley(before[i], least[i], after);
+        let nearest = nearest((f32::from(index[i]) + valley.fraction) * scale) as u16;
+        disparities[i] = if found { nearest } else { HOLE };
+        confidence[i] = if found { valley.confidence } else { 0.0 };
     }
 }
 
@@ -83,7 +83,7 @@ struct Valley {
 }
 
 #[inline(always)]
-fn valley(before: u16, least: u16, after: u16) -> Valley {
+fn valley(before: u8, least: u8, after: u8) -> Valley {
     let (before, least, after) = (f32::from(before), f32::from(least), f32::from(after));
     let higher = before.max(after);
     let rise = higher - least;
@@ -101,36 +101,21 @@ mod tests {
     use crate::kernels::level::Level;
     use raster::{BoundingBox, DisparityRange};
 
-    /// Winners in stripes.
-    struct Striped {
-        rows: [Vec<u16>; 4],
-        right_index: Vec<u16>,
-        right_places: Vec<u32>,
-    }
-
-    impl Striped {
-        /// Per answered column the index of the winner, its sum, those before and after it, and the index of
-        /// the right pixel's winner, which no two columns share.
-        fn new(columns: &[[u16; 5]], layout: &Layout) -> Self {
-            let rights = columns.len() + layout.count() - 1;
-            let right_places: Vec<_> = (0..rights).map(|x| layout.right_place(x) as u32).collect();
-            let mut rows = [(); 4].map(|()| vec![0; layout.left()]);
-            let mut right_index = vec![9; layout.right()];
-            for (x, &[row @ .., opposite]) in columns.iter().enumerate() {
-                for (values, value) in rows.iter_mut().zip(row) {
-                    values[layout.place(x)] = value;
-                }
-                let right = right_places[x + layout.shift(usize::from(row[0]))];
-                right_index[right as usize] = opposite;
-            }
-            Self { rows, right_index, right_places }
+    /// Winners of answered columns, of each its index, its sum, those before and after it, and the index of the
+    /// right pixel's winner, which no two columns share.
+    fn winners(columns: &[[u8; 5]], layout: &Layout) -> Winners {
+        let mut winners = Winners {
+            right_index: vec![9; columns.len() + layout.count() - 1],
+            ..Winners::default()
+        };
+        for (x, &[index, least, before, after, opposite]) in columns.iter().enumerate() {
+            winners.index.push(index.into());
+            winners.least.push(least);
+            winners.before.push(before);
+            winners.after.push(after);
+            winners.right_index[x + layout.shift(index.into())] = opposite.into();
         }
-
-        fn winners(&self) -> Winners<'_> {
-            let [index, least, before, after] = self.rows.each_ref().map(|row| &row[..]);
-            let (right_index, right_places) = (&self.right_index, &self.right_places);
-            Winners { index, least, before, after, right_index, right_places }
-        }
+        winners
     }
 
     #[test]
@@ -154,8 +139,8 @@ mod tests {
         let range = DisparityRange::new(-1, 3).unwrap();
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            // One stripe of one column, and stripes of one to five, the last of them empty or not full.
-            for n in [1, 40, 56, 113, 115, 248, 300] {
+            // Less than a block, whole blocks, and some more.
+            for n in [1, 40, 64, 113, 128, 300] {
                 // Far enough from each other for right pixels of their own.
                 let columns = (0..n).map(|x| match x % range.count() {
                     0 => cases[x / range.count() % cases.len()],
@@ -165,10 +150,9 @@ mod tests {
                 let bounds = BoundingBox::new(50, 0, 49 + n, 0).unwrap();
                 let space = SearchSpace::new(400, bounds, range);
                 let (numbers, layout) = (FixedPoint::new(&space), Layout::new(&space));
-                let striped = Striped::new(&columns, &layout);
+                let winners = winners(&columns, &layout);
                 let (mut found, mut confidence) = (vec![7; n], vec![7.0; n]);
-                let winners = striped.winners();
-                confirm_row(level, winners, &layout, numbers, &mut found, &mut confidence);
+                confirm_row(level, &winners, &layout, numbers, &mut found, &mut confidence);
                 for (x, (disparity, sure)) in expected.into_iter().enumerate() {
                     let found = numbers.pixels(found[x]);
                     let is_found = found == disparity || found.is_nan() && disparity.is_nan();

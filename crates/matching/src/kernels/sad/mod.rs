@@ -2,20 +2,22 @@
 //!
 //! ```text
 //! A(x, y, k) = |L(x, y) - R(x - min - k, y)|
-//! C(x, y, k) = sum of A(x', y', k) over |x' - x| <= r, |y' - y| <= r inside the image
+//! V(x, y, k) = sum of A(x, y', k) over |y' - y| <= r inside the image
+//! C(x, y, k) = sum of min(V(x', y, k) / 4, 27) over |x' - x| <= r inside the image
 //! ```
 //!
-//! In: the filtered rows that enter and leave the window. Out, in stripes: per column
-//! the least sum of the left view, its index and its neighbours, and per place of the right view the index
-//! that wins there ([`Winners`]).
+//! In: the filtered rows that enter and leave the window. Out: per column the least sum of the left view, its
+//! index and its neighbours, and of the right view the index that wins there ([`Winners`]).
 //!
 //! Columns lie in [`stripes`](super::stripes), so that neighbours are in vectors that follow each
 //! other. For one disparity after the other:
 //!
 //! 1. `V`, the sums down the window's columns, is slid by one row. Differences are at most
-//!    [`LARGEST_DIFFERENCE`], so `V` fits a byte: 7 operations for 64 columns.
-//! 2. `C` is slid along the row: what enters the window is added, what leaves it taken away.
-//! 3. The least sums of both views, their indices, and those beside the left view's: column `x` of the left
+//!    [`LARGEST_DIFFERENCE`], so `V` fits a byte: 6 operations for 64 columns.
+//! 2. Of `V` a quarter counts, and not more than a ninth of what fits a byte: the noise of two images hides
+//!    the rest, and a sum over the window is then one byte, so that all that follows is for 64 columns at once too.
+//! 3. `C` is slid along the row: what enters the window is added, what leaves it taken away.
+//! 4. The least sums of both views, their indices, and those beside the left view's: column `x` of the left
 //!    is column `x - min - k` of the right, so both are a comparison with a row of minima. The right view
 //!    compares each disparity's sum of another column, none more than three vectors back: no row of sums is kept
 //!    but that of the disparity beside the next ones.
@@ -28,26 +30,36 @@
 
 mod memory;
 
-use self::memory::{BEFORE, BEYOND, UNTRIED};
+use self::memory::{BEFORE, Indices};
 pub(crate) use self::memory::{Sad, Winners};
 use super::level::at_every_level;
 use super::stripes::{LANES, Layout};
 
 /// Half the window: it is `2 RADIUS + 1` pixels wide and high.
 pub(crate) const RADIUS: usize = 4;
+/// Pixels of the window's side.
+const SIDE: u8 = 2 * RADIUS as u8 + 1;
 /// No difference of the filtered images may be larger: sums down a column must fit a byte.
-pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / (2 * RADIUS as u8 + 1);
-/// Sums from here on stand for "cannot be tried": no sum over the window comes near.
-pub(crate) const OUT: u16 = 0x1000;
+pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / SIDE;
+/// A sum down a column counts in so many bits less.
+const COARSER: u32 = 2;
+/// And as so much at most: no sum over the window reaches [`OUT`], and that of larger ones does.
+const LARGEST_COLUMN: u8 = 27;
+/// Sums from here on stand for "cannot be tried".
+pub(crate) const OUT: u8 = SIDE * LARGEST_COLUMN + 1;
+const _: () = assert!(SIDE * (LARGEST_COLUMN + 1) >= OUT);
 
 /// So many disparities are compared together; at the end of the range some of them are not tried.
 pub(crate) const TOGETHER: usize = 4;
 
+/// So many indices differ in their lower byte; only where there are more, the higher one is looked at.
+const BYTE: usize = 1 << u8::BITS;
+
 /// Operations on bytes per pixel and disparity: two differences of two each that are added and taken
-/// away, and what lies outside left out; of 16 bits two halves of what enters and leaves, an addition, a
-/// subtraction and a flip along the row; a minimum, a comparison and three choices for the left view, a
-/// minimum, a comparison and a choice for the right one.
-pub(crate) const OPERATIONS: usize = 2 * (2 + 1) + 1 + (2 + 3) * 2 + (5 + 3) * 2;
+/// away; a quarter of two and a minimum; an addition and a subtraction along the row; for the left view
+/// what lies outside left out, a minimum, a comparison and three choices, for the right one the same with one
+/// choice.
+pub(crate) const OPERATIONS: usize = 2 * (2 + 1) + (2 + 1) + 2 + (1 + 5) + (1 + 3);
 
 /// A filtered row of both images, in stripes. Vector `j` of `left` and vector `j + shift(k)` of `right` are
 /// compared at index `k`.
@@ -77,15 +89,11 @@ at_every_level! {
         entering: RowPair<'_>,
         leaving: RowPair<'_>,
     ) {
-        // Indices stay: where a sum is the least so far, its own is written. The first group finds the sums before
-        // it where its own will stand.
-        for row in [&mut sad.least, &mut sad.right_least, &mut sad.last] {
-            row.fill(OUT);
+        if layout.count() <= BYTE {
+            match_all::<false>(sad, layout, entering, leaving);
+        } else {
+            match_all::<true>(sad, layout, entering, leaving);
         }
-        for k in (0..layout.count()).step_by(TOGETHER) {
-            match_some(sad, layout, k, entering, leaving);
-        }
-        gather_right(sad, layout);
     }
 }
 
@@ -117,34 +125,31 @@ fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]
     &mut samples[at..].as_chunks_mut().0[..count]
 }
 
-/// A vector of pairs of each disparity that is compared together.
-type Pairs = [[[u8; 2]; LANES / 2]; TOGETHER];
-/// A vector of sums of each of them.
-type Sums = [[u16; LANES]; TOGETHER];
+/// A vector of each disparity that is compared together.
+type Vectors = [[u8; LANES]; TOGETHER];
 /// The same, of all but the last of them.
-type SumsBeforeLast = [[u16; LANES]; TOGETHER - 1];
+type VectorsBeforeLast = [[u8; LANES]; TOGETHER - 1];
 
-/// So many such vectors of pairs from a place on.
+/// So many such vectors from a place on.
 #[inline(always)]
-fn pairs_side_by_side(samples: &[u8], at: usize, count: usize) -> &[Pairs] {
-    &samples[at..].as_chunks().0.as_chunks().0.as_chunks().0[..count]
+fn side_by_side(samples: &[u8], at: usize, count: usize) -> &[Vectors] {
+    &samples[at..].as_chunks().0.as_chunks().0[..count]
+}
+
+/// So many such vectors from a place on.
+#[inline(always)]
+fn side_by_side_mut(samples: &mut [u8], at: usize, count: usize) -> &mut [Vectors] {
+    &mut samples[at..].as_chunks_mut().0.as_chunks_mut().0[..count]
 }
 
 /// Where the vectors of all disparities that are compared together stand of which one alone would begin at a
-/// byte.
+/// place.
 #[inline(always)]
-fn place_of_all(byte: usize) -> usize {
-    byte / LANES * TOGETHER * LANES + byte % LANES
+fn place_of_all(place: usize) -> usize {
+    place / LANES * TOGETHER * LANES + place % LANES
 }
 
-/// The lane with the even number, then that with the odd one.
-#[inline(always)]
-fn halves(pair: [u8; 2]) -> [u16; 2] {
-    let both = u16::from_le_bytes(pair);
-    [both & 0xFF, both >> 8]
-}
-
-/// `V` of indices `k ..`, one row further down.
+/// `V` of indices `k ..`, one row further down, and what counts of it.
 #[inline(always)]
 fn slide_columns(
     sad: &mut Sad,
@@ -154,12 +159,11 @@ fn slide_columns(
     leaving: RowPair<'_>,
 ) {
     let count = layout.stripe();
-    let columns = &mut sad.columns[BEFORE + k * layout.left()..];
-    let columns: &mut [[[u8; LANES]; TOGETHER]] = columns.as_chunks_mut().0.as_chunks_mut().0;
-    let columns = &mut columns[..count];
+    let columns = side_by_side_mut(&mut sad.columns, k * layout.left(), count);
+    let counted = side_by_side_mut(&mut sad.counted, BEFORE, count);
     let left_in = groups(entering.left, 0, count);
     let left_out = groups(leaving.left, 0, count);
-    let inside = groups(&sad.inside, 0, count);
+    let largest = groups(&sad.largest, 0, count);
     // What the last index is compared with comes first.
     let right = layout.shift(k + TOGETHER - 1) * LANES;
     let right_in = groups(entering.right, right, count + TOGETHER - 1);
@@ -168,7 +172,16 @@ fn slide_columns(
         for n in 0..TOGETHER {
             let right = j + TOGETHER - 1 - n;
             let (gain, loss) = ([&left_in[j], &right_in[right]], [&left_out[j], &right_out[right]]);
-            slide_vector(&mut columns[j][n], gain[0], gain[1], loss[0], loss[1], &inside[j]);
+            let columns = &mut columns[j][n];
+            slide_vector(
+                columns,
+                gain[0],
+                gain[1],
+                loss[0],
+                loss[1],
+                &largest[j],
+                &mut counted[j][n],
+            );
         }
     }
 }
@@ -188,80 +201,104 @@ fn slide_vector(
     right_in: &[u8; LANES],
     left_out: &[u8; LANES],
     right_out: &[u8; LANES],
-    inside: &[u8; LANES],
+    largest: &[u8; LANES],
+    counted: &mut [u8; LANES],
 ) {
     for i in 0..LANES {
         let gain = difference(left_in[i], right_in[i]);
         let loss = difference(left_out[i], right_out[i]);
-        sums[i] = sums[i].wrapping_add(gain).wrapping_sub(loss) & inside[i];
+        let sum = sums[i].wrapping_add(gain).wrapping_sub(loss);
+        sums[i] = sum;
+        counted[i] = (sum >> COARSER).min(largest[i]);
     }
 }
 
-/// Slides the window of indices `k ..` down by one row, sums up along it and compares.
+/// Slides the window down by one row, and finds what wins there, of `MANY` disparities more than [`BYTE`].
 #[inline(always)]
-fn match_some(
+fn match_all<const MANY: bool>(
     sad: &mut Sad,
     layout: &Layout,
-    k: usize,
     entering: RowPair<'_>,
     leaving: RowPair<'_>,
 ) {
-    slide_columns(sad, layout, k, entering, leaving);
-    let length = layout.left();
-    // With the vectors before the first, and a margin.
-    let columns = &sad.columns[BEFORE + k * length - TOGETHER * LANES..]
-        [..TOGETHER * (length + LANES) + LANES];
+    // Indices stay: where a sum is the least so far, its own is written. The first group finds the sums before
+    // it where its own will stand.
+    for row in [&mut sad.least, &mut sad.right_least, &mut sad.last] {
+        row.fill(OUT);
+    }
+    for k in (0..layout.count()).step_by(TOGETHER) {
+        slide_columns(sad, layout, k, entering, leaving);
+        match_some::<MANY>(sad, layout, k);
+    }
+    gather_right::<MANY>(sad, layout);
+    tell::<MANY>(sad, layout);
+}
+
+/// Sums `V` of indices `k ..` up along the row and compares.
+#[inline(always)]
+fn match_some<const MANY: bool>(sad: &mut Sad, layout: &Layout, k: usize) {
+    for n in layout.tried().saturating_sub(k)..TOGETHER {
+        // What makes up the number of disparities: no sum of these is to count.
+        for vectors in side_by_side_mut(&mut sad.counted, 0, layout.stripe() + 1) {
+            vectors[n].fill(LARGEST_COLUMN + 1);
+        }
+    }
+    // From the vector before the first on.
+    let counted = &sad.counted[..];
     let right = layout.shift(k + TOGETHER - 1);
-    let outside = groups(&sad.outside, right * LANES, TOGETHER).first_chunk().expect("as many");
-    let tried = layout.tried().saturating_sub(k);
-    let first_sums = first_sums(columns, layout, tried, outside);
-    let [before_last @ .., of_last] = first_sums;
+    let [before_last @ .., of_last] = first_sums(counted, layout);
     // Of the last four vectors, the latest in front; where the next one will stand.
-    let recent: &mut [[u16; LANES]] = sad.recent.as_chunks_mut().0;
-    let recent: &mut [SumsBeforeLast; TOGETHER] =
+    let recent: &mut [[u8; LANES]] = sad.recent.as_chunks_mut().0;
+    let recent: &mut [VectorsBeforeLast; TOGETHER] =
         recent.as_chunks_mut().0.first_chunk_mut().expect("four");
     let [mut latest, mut second, mut third, mut next] = recent.each_mut();
     *latest = before_last;
-    (second[0], second[1], third[0]) = ([OUT; LANES], [OUT; LANES], [OUT; LANES]);
     let last = groups_mut(&mut sad.last, 0, layout.stripe() + 1);
     last[0] = of_last;
     let rights = layout.stripe() + TOGETHER - 1;
     let right_least = groups_mut(&mut sad.right_least, right * LANES, rights);
-    let right_index = groups_mut(&mut sad.right_index, right * LANES, rights);
+    let right_low = groups_mut(&mut sad.right.low, right * LANES, rights);
+    let right_high = groups_mut(&mut sad.right.high, right * LANES, rights);
+    // From the vectors on that stood before the first, none of which is answered.
+    let beyond = groups(&sad.beyond, 0, rights + TOGETHER - 1);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
-        let enter = pairs_side_by_side(columns, place_of_all(LANES + enters), count);
-        let leave = pairs_side_by_side(columns, place_of_all(first * LANES), count);
-        let outside = groups(&sad.outside_flips, (right + first) * LANES, count + TOGETHER - 1);
-        let beyond = groups(&sad.beyond_flips, first * LANES, count);
+        let enter = side_by_side(counted, BEFORE + place_of_all(enters), count);
+        let leave = side_by_side(counted, place_of_all(first * LANES), count);
+        let outside = groups(&sad.outside, (right + first) * LANES, count + TOGETHER);
+        let beyond = &beyond[first..][..count + TOGETHER - 1];
         let least = groups_mut(&mut sad.least, first * LANES, count);
-        let index = groups_mut(&mut sad.index, first * LANES, count);
+        let low = groups_mut(&mut sad.left.low, first * LANES, count);
+        let high = groups_mut(&mut sad.left.high, first * LANES, count);
         let before = groups_mut(&mut sad.before, first * LANES, count);
         let after = groups_mut(&mut sad.after, first * LANES, count);
         let last = &mut last[first..][..count + 1];
         let right_least = &mut right_least[first..][..count];
-        let right_index = &mut right_index[first..][..count];
+        let right_low = &mut right_low[first..][..count];
+        let right_high = &mut right_high[first..][..count];
         for j in 0..count {
             let [from_last, to_last] = last[j..].first_chunk_mut().expect("one before each");
-            slide_along(
+            slide_along::<MANY>(
                 latest,
                 from_last,
                 &enter[j],
                 &leave[j],
-                &beyond[j],
                 outside[j..].first_chunk().expect("one more than disparities"),
                 next,
                 to_last,
                 &mut least[j],
-                &mut index[j],
+                &mut low[j],
+                &mut high[j],
                 &mut before[j],
                 &mut after[j],
                 k,
             );
-            compare_right(
+            compare_right::<MANY>(
                 [&third[0], &second[1], &latest[2], to_last],
+                beyond[j..].first_chunk().expect("as many as disparities"),
                 &mut right_least[j],
-                &mut right_index[j],
+                &mut right_low[j],
+                &mut right_high[j],
                 k,
             );
             (latest, second, third, next) = (next, latest, second, third);
@@ -274,144 +311,189 @@ fn match_some(
         [&second[0], &latest[1], out, out],
         [&latest[0], out, out, out],
     ]) {
-        compare_right(costs, &mut right_least[j], &mut right_index[j], k);
+        let beyond = beyond[j..].first_chunk().expect("as many as disparities");
+        let (least, low) = (&mut right_least[j], &mut right_low[j]);
+        compare_right::<MANY>(costs, beyond, least, low, &mut right_high[j], k);
     }
 }
 
 /// The sums of the windows before those of the first vector, of columns with a vector before it. Whatever that
-/// holds is in these sums, and leaves with the next step: until then none of them is to count. Only so many
-/// disparities are `tried`.
+/// holds is in these sums, and leaves with the next step: until then none of them counts.
 #[inline(always)]
-fn first_sums(columns: &[u8], layout: &Layout, tried: usize, outside: &Sums) -> Sums {
+fn first_sums(counted: &[u8], layout: &Layout) -> Vectors {
     let mut sums = [[0; LANES]; TOGETHER];
-    for n in 0..TOGETHER {
-        // What the last index is compared with comes first.
-        let outside = &outside[TOGETHER - 1 - n];
-        let untried = if n < tried { 0 } else { UNTRIED };
-        for l in 0..LANES {
-            sums[n][l] = BEYOND | outside[l] | untried;
-        }
-    }
     for at in layout.first_vectors() {
-        let vectors = pairs_side_by_side(columns, place_of_all(at), 1);
-        add_pairs(&vectors[0], &mut sums);
+        add(&side_by_side(counted, place_of_all(at), 1)[0], &mut sums);
     }
     sums
 }
 
 /// Adds vectors to sums.
 #[inline(always)]
-fn add_pairs(vectors: &Pairs, sums: &mut Sums) {
-    let half = LANES / 2;
+fn add(vectors: &Vectors, sums: &mut Vectors) {
     for n in 0..TOGETHER {
-        for i in 0..half {
-            let entering = halves(vectors[n][i]);
-            sums[n][i] += entering[0];
-            sums[n][half + i] += entering[1];
+        for l in 0..LANES {
+            sums[n][l] = sums[n][l].wrapping_add(vectors[n][l]);
         }
     }
+}
+
+/// The lower and the higher byte of an index.
+#[inline(always)]
+fn bytes(k: usize) -> [u8; 2] {
+    (k as u16).to_le_bytes()
 }
 
 /// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away.
-/// Where it begins or ends that a disparity cannot be tried, its mark flips. The sums are compared with the
-/// least ones so far of the left view; where those of the last index are put stand those of the index before `k`.
+/// The sums are compared with the least ones so far of the left view, but for those whose match is outside;
+/// where those of the last index are put stand those of the index before `k`.
 #[inline(always)]
-fn slide_along(
-    from: &SumsBeforeLast,
-    from_last: &[u16; LANES],
-    enter: &Pairs,
-    leave: &Pairs,
-    beyond: &[u16; LANES],
-    outside: &Sums,
-    to: &mut SumsBeforeLast,
-    to_last: &mut [u16; LANES],
-    least: &mut [u16; LANES],
-    index: &mut [u16; LANES],
-    before: &mut [u16; LANES],
-    after: &mut [u16; LANES],
-    k: usize,
-) {
-    let half = LANES / 2;
-    for i in 0..half {
-        for odd in 0..2 {
-            let l = odd * half + i;
-            let mut cost_before = to_last[l];
-            let (mut lowest, mut place) = (least[l], index[l]);
-            let (mut below, mut above) = (before[l], after[l]);
-            let mut is_before = place == (k as u16).wrapping_sub(1);
-            for n in 0..TOGETHER {
-                let (gain, loss) = (halves(enter[n][i])[odd], halves(leave[n][i])[odd]);
-                let is_last = n == TOGETHER - 1;
-                let from = if is_last { from_last[l] } else { from[n][l] };
-                let cost = from.wrapping_add(gain).wrapping_sub(loss);
-                // What the last index is compared with comes first.
-                let cost = cost ^ beyond[l] ^ outside[TOGETHER - 1 - n][l];
-                if is_last {
-                    to_last[l] = cost;
-                } else {
-                    to[n][l] = cost;
-                }
-                let is_less = (cost as i16) < lowest as i16;
-                above = if is_before { cost } else { above };
-                below = if is_less { cost_before } else { below };
-                place = if is_less { (k + n) as u16 } else { place };
-                lowest = (lowest as i16).min(cost as i16) as u16;
-                (cost_before, is_before) = (cost, is_less);
-            }
-            (least[l], index[l]) = (lowest, place);
-            (before[l], after[l]) = (below, above);
-        }
-    }
-}
-
-/// Compares the sums of indices `k ..` with the least ones so far of the right view: what matches the same
-/// right columns stands one vector further on at every index.
-#[inline(always)]
-fn compare_right(
-    costs: [&[u16; LANES]; TOGETHER],
-    least: &mut [u16; LANES],
-    index: &mut [u16; LANES],
+fn slide_along<const MANY: bool>(
+    from: &VectorsBeforeLast,
+    from_last: &[u8; LANES],
+    enter: &Vectors,
+    leave: &Vectors,
+    outside: &[[u8; LANES]; TOGETHER + 1],
+    to: &mut VectorsBeforeLast,
+    to_last: &mut [u8; LANES],
+    least: &mut [u8; LANES],
+    low: &mut [u8; LANES],
+    high: &mut [u8; LANES],
+    before: &mut [u8; LANES],
+    after: &mut [u8; LANES],
     k: usize,
 ) {
     for l in 0..LANES {
-        let (mut lowest, mut place) = (least[l], index[l]);
+        // What the last index is compared with comes first.
+        let mut cost_before = to_last[l] | outside[TOGETHER][l];
+        let (mut lowest, mut place) = (least[l], low[l]);
+        let (mut below, mut above) = (before[l], after[l]);
+        let [low_before, high_before] = bytes(k.wrapping_sub(1));
+        let mut is_before = (place == low_before) & (!MANY | (high[l] == high_before));
         for n in 0..TOGETHER {
-            let cost = costs[n][l];
-            place = if (cost as i16) < lowest as i16 { (k + n) as u16 } else { place };
-            lowest = (lowest as i16).min(cost as i16) as u16;
+            let is_last = n == TOGETHER - 1;
+            let from = if is_last { from_last[l] } else { from[n][l] };
+            let sum = from.wrapping_add(enter[n][l]).wrapping_sub(leave[n][l]);
+            if is_last {
+                to_last[l] = sum;
+            } else {
+                to[n][l] = sum;
+            }
+            let cost = sum | outside[TOGETHER - 1 - n][l];
+            above = if is_before { cost } else { above };
+            let lower = lowest.min(cost);
+            // Older processors have no comparison of bytes without a sign.
+            let is_less = lower != lowest;
+            below = if is_less { cost_before } else { below };
+            place = if is_less { bytes(k + n)[0] } else { place };
+            lowest = lower;
+            (cost_before, is_before) = (cost, is_less);
         }
-        (least[l], index[l]) = (lowest, place);
+        // The higher byte is the same of all that are compared together.
+        if MANY {
+            high[l] = either(lowest != least[l], bytes(k)[1], high[l]);
+        }
+        (least[l], low[l]) = (lowest, place);
+        (before[l], after[l]) = (below, above);
+    }
+}
+
+/// Compares the sums of indices `k ..` with the least ones so far of the right view, but for those of left
+/// columns that are not answered: what matches the same right columns stands one vector further on at every index.
+#[inline(always)]
+fn compare_right<const MANY: bool>(
+    sums: [&[u8; LANES]; TOGETHER],
+    beyond: &Vectors,
+    least: &mut [u8; LANES],
+    low: &mut [u8; LANES],
+    high: &mut [u8; LANES],
+    k: usize,
+) {
+    for l in 0..LANES {
+        let (mut lowest, mut place) = (least[l], low[l]);
+        for n in 0..TOGETHER {
+            let cost = sums[n][l] | beyond[n][l];
+            let lower = lowest.min(cost);
+            place = if lower != lowest { bytes(k + n)[0] } else { place };
+            lowest = lower;
+        }
+        if MANY {
+            high[l] = either(lowest != least[l], bytes(k)[1], high[l]);
+        }
+        (least[l], low[l]) = (lowest, place);
     }
 }
 
 /// Right columns lie in several places, as many disparities as there are: gathers the winners of them all
 /// in the last one, where the smaller indices are already.
 #[inline(always)]
-fn gather_right(sad: &mut Sad, layout: &Layout) {
+fn gather_right<const MANY: bool>(sad: &mut Sad, layout: &Layout) {
     let length = layout.left();
-    let Sad { right_least: least, right_index: index, .. } = sad;
-    let half = LANES / 2;
+    let (least, Indices { low, high }) = (&mut sad.right_least, &mut sad.right);
     // The last lane has no next one.
     let mut nothing = [0; LANES];
     nothing[LANES - 1] = OUT;
     for at in (0..least.len() - length).step_by(LANES) {
-        // The next lane: of even ones the odd one, of odd ones the even one after it.
-        let (mut cost, mut place) = ([0; LANES], [0; LANES]);
-        cost[..half].copy_from_slice(&least[at + half..][..half]);
-        cost[half..].copy_from_slice(&least[at + 1..][..half]);
-        place[..half].copy_from_slice(&index[at + half..][..half]);
-        place[half..].copy_from_slice(&index[at + 1..][..half]);
-        let (mut lowest, mut places) = (*group(least, at + length), *group(index, at + length));
+        // Further on stands what is in the next lane here.
+        let mut cost = *group(least, at + 1);
+        let here = [*group(low, at + 1), *group(high, at + 1)];
+        let least = group_mut(least, at + length);
+        let (low, high) = (group_mut(low, at + length), group_mut(high, at + length));
         for l in 0..LANES {
-            let (here, there) = (cost[l] | nothing[l], lowest[l]);
-            // Written without a condition, of which the compiler would make a jump.
-            let is_less = u16::from(here < there).wrapping_neg();
-            places[l] ^= (places[l] ^ place[l]) & is_less;
-            lowest[l] = here.min(there);
+            cost[l] |= nothing[l];
+            let is_less = cost[l] < least[l];
+            low[l] = either(is_less, here[0][l], low[l]);
+            if MANY {
+                high[l] = either(is_less, here[1][l], high[l]);
+            }
+            least[l] = least[l].min(cost[l]);
         }
-        *group_mut(least, at + length) = lowest;
-        *group_mut(index, at + length) = places;
     }
+}
+
+/// Puts what won in the order of the columns.
+#[inline(always)]
+fn tell<const MANY: bool>(sad: &mut Sad, layout: &Layout) {
+    let Sad { winners, row, .. } = sad;
+    layout.gather(&sad.least, &mut winners.least);
+    layout.gather(&sad.before, &mut winners.before);
+    layout.gather(&sad.after, &mut winners.after);
+    tell_indices::<MANY>(&sad.left.low, &sad.left.high, layout, row, &mut winners.index);
+    // Those before the last vectors of right columns are in the first lane alone.
+    let alone = layout.shift(0);
+    let (first, others) = winners.right_index.split_at_mut(alone);
+    let Indices { low, high } = &sad.right;
+    for (v, index) in first.iter_mut().enumerate() {
+        *index = u16::from_le_bytes([low[v * LANES], if MANY { high[v * LANES] } else { 0 }]);
+    }
+    tell_indices::<MANY>(&low[alone * LANES..], &high[alone * LANES..], layout, row, others);
+}
+
+/// Puts indices in the order of the columns, by way of a row of bytes.
+#[inline(always)]
+fn tell_indices<const MANY: bool>(
+    low: &[u8],
+    high: &[u8],
+    layout: &Layout,
+    row: &mut [u8],
+    indices: &mut [u16],
+) {
+    layout.gather(low, row);
+    for (index, &low) in indices.iter_mut().zip(&*row) {
+        *index = low.into();
+    }
+    if MANY {
+        layout.gather(high, row);
+        for (index, &high) in indices.iter_mut().zip(&*row) {
+            *index |= u16::from(high) << u8::BITS;
+        }
+    }
+}
+
+/// One of two numbers that lie in memory, for which the compiler would make a jump of a condition.
+#[inline(always)]
+fn either(is_this: bool, this: u8, that: u8) -> u8 {
+    that ^ (this ^ that) & u8::from(is_this).wrapping_neg()
 }
 
 #[cfg(test)]
@@ -432,12 +514,14 @@ mod tests {
         let (width, height) = left.size();
         let cost = |x: usize, k: usize| -> u16 {
             let mut sum = 0;
-            for v in y.saturating_sub(RADIUS)..=(y + RADIUS).min(height - 1) {
-                for u in x.saturating_sub(RADIUS)..=(x + RADIUS).min(width - 1) {
-                    let match_column = u as i64 - i64::from(space.min) - k as i64;
-                    let match_column = match_column.clamp(0, width as i64 - 1) as usize;
-                    sum += u16::from(left.row(v)[u].abs_diff(right.row(v)[match_column]));
-                }
+            for u in x.saturating_sub(RADIUS)..=(x + RADIUS).min(width - 1) {
+                let match_column = u as i64 - i64::from(space.min) - k as i64;
+                let match_column = match_column.clamp(0, width as i64 - 1) as usize;
+                let rows = y.saturating_sub(RADIUS)..=(y + RADIUS).min(height - 1);
+                let column: u16 = rows
+                    .map(|v| u16::from(left.row(v)[u].abs_diff(right.row(v)[match_column])))
+                    .sum();
+                sum += (column / 4).min(27);
             }
             sum
         };
@@ -447,7 +531,8 @@ mod tests {
                 && (0..space.count as i64).contains(&k)
                 && (0..width as i64).contains(&(x - i64::from(space.min) - k))
         };
-        let cost = |x: i64, k: i64| if inside(x, k) { cost(x as usize, k as usize) } else { OUT };
+        let out = u16::from(OUT);
+        let cost = |x: i64, k: i64| if inside(x, k) { cost(x as usize, k as usize) } else { out };
         let columns = (space.first as i64..=space.last as i64).map(|x| {
             let k = (0..space.count as i64).min_by_key(|&k| cost(x, k)).unwrap();
             // The same right column is as many left columns further on as disparities.
@@ -523,6 +608,11 @@ mod tests {
             (330, 3, (0, 329), (0, 19)),
             (520, 3, (3, 515), (-7, 13)),
             (700, 2, (0, 699), (-3, 90)),
+            // More disparities than a byte tells apart; the copy is at index 255, 256 and 257.
+            (400, 2, (0, 399), (-248, 30)),
+            (400, 2, (0, 399), (-249, 30)),
+            (400, 2, (20, 390), (-250, 30)),
+            (700, 2, (0, 699), (0, 599)),
         ];
         for level in Level::available() {
             eprintln!("level {}", level.name());
@@ -531,7 +621,7 @@ mod tests {
                 let right = Plane::from_fn(width, height, |x, y| {
                     // Half noise, half a shifted copy; blank at the right, where sums are equal.
                     match x {
-                        _ if x > 60 => 0,
+                        _ if (61..100).contains(&x) => 0,
                         _ if y % 2 == 0 => noise(x + 7, y, 1),
                         _ => noise(x, y, 2),
                     }
@@ -540,6 +630,7 @@ mod tests {
                 let range = DisparityRange::new(min, max).unwrap();
                 let space = SearchSpace::new(width, bounds, range);
                 let found = winners_by_kernel(level, &space, &left, &right);
+                let out = u16::from(OUT);
                 for (y, found) in found.into_iter().enumerate() {
                     let expected = winners_by_definition(&space, &left, &right, y);
                     assert_eq!(found.len(), expected.len());
@@ -547,9 +638,9 @@ mod tests {
                         let what = format!("{width} x {height}, {min}..{max}, {x} {y}");
                         // Sums from OUT on only say that nothing was tried; where none was, no more counts.
                         let [sums, of] =
-                            [found, expected].map(|v| [v[1], v[2], v[3]].map(|v| v.min(OUT)));
+                            [found, expected].map(|v| [v[1], v[2], v[3]].map(|v| v.min(out)));
                         assert_eq!(sums[0], of[0], "the least sum, {what}");
-                        if of[0] < OUT {
+                        if of[0] < out {
                             assert_eq!(
                                 (found[0], sums, found[4]),
                                 (expected[0], of, expected[4]),
