@@ -13,7 +13,7 @@ use crate::kernels::aligned::{Aligned, LINE};
 use crate::kernels::border::repeat_border;
 use crate::kernels::level::Level;
 use crate::kernels::sad::{LARGEST_DIFFERENCE, RADIUS, RowPair};
-use crate::kernels::stripes::Layout;
+use crate::kernels::stripes::{Layout, spread_left, spread_right};
 use crate::prepare::grey::GreyView;
 use crate::prepare::prefilter::{LARGEST_CLIP, Smoothed, clipped_gradient};
 
@@ -72,10 +72,12 @@ impl FilteredRows {
         let largest = i64::from(space.min) + layout.shift(0) as i64;
         clipped_gradient(level, images[0], y, CLIP, smoothed, whole);
         repeat_border(whole, first, &mut extended[..layout.left()]);
-        layout.spread(extended, &mut left[slot * layout.left()..][..layout.left()]);
+        let row = &mut left[slot * layout.left()..][..layout.left()];
+        spread_left(level, layout, extended, row);
         clipped_gradient(level, images[1], y, CLIP, smoothed, whole);
         repeat_border(whole, first - largest, extended);
-        layout.spread_right(extended, &mut right[slot * layout.right()..][..layout.right()]);
+        let row = &mut right[slot * layout.right()..][..layout.right()];
+        spread_right(level, layout, extended, row);
     }
 
     /// Row `y`, which was among the last loaded.

@@ -12,6 +12,7 @@
 use std::ops::Range;
 
 use crate::cost::SearchSpace;
+use crate::kernels::level::at_every_level;
 use crate::kernels::sad::{RADIUS, TOGETHER};
 
 /// Columns of a vector.
@@ -47,7 +48,8 @@ impl Layout {
     /// The layout of a search space.
     pub fn new(space: &SearchSpace) -> Self {
         let seen = space.columns() + 2 * RADIUS;
-        let stripe = seen.div_ceil(LANES);
+        // Of two columns at least, so that no vector overlaps the one a stripe and a lane further on.
+        let stripe = seen.div_ceil(LANES).max(2);
         let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
         let count = space.count.next_multiple_of(TOGETHER);
         let right_first = space.first as i64 - i64::from(space.min) - (count as i64 - 1);
@@ -142,15 +144,6 @@ impl Layout {
         (0..self.width as i64).contains(&(self.right_first + column as i64))
     }
 
-    /// Puts the first columns in the places of a left row.
-    pub fn spread(&self, columns: &[u8], row: &mut [u8]) {
-        for (lane, columns) in columns.chunks_exact(self.stripe).take(LANES).enumerate() {
-            for (vector, &column) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(columns) {
-                vector[lane] = column;
-            }
-        }
-    }
-
     /// Puts what lies in the places of a left row in the order of the columns, four neighbours at once.
     #[inline(always)]
     pub fn gather(&self, row: &[u8], columns: &mut [u8]) {
@@ -174,17 +167,52 @@ impl Layout {
             }
         }
     }
+}
+
+at_every_level! {
+    /// Puts the first columns in the places of a left row.
+    pub(crate) fn spread_left(layout: &Layout, columns: &[u8], row: &mut [u8]) {
+        spread(layout, columns, row);
+    }
 
     /// The same of a right row, from its columns from the first on.
-    pub fn spread_right(&self, columns: &[u8], row: &mut [u8]) {
-        let length = self.left();
-        self.spread(columns, &mut row[..length]);
+    pub(crate) fn spread_right(layout: &Layout, columns: &[u8], row: &mut [u8]) {
+        let length = layout.left();
+        spread(layout, columns, &mut row[..length]);
         for at in (length..row.len()).step_by(LANES) {
             // A stripe further on lies what is in the next lane.
-            let next = &row[at + 1 - length..];
-            let mut here: [u8; LANES] = *next.first_chunk().expect("it begins before");
-            here[LANES - 1] = columns[(LANES - 1) * self.stripe + at / LANES];
-            row[at..at + LANES].copy_from_slice(&here);
+            let next: [u8; LANES] = *row[at + 1 - length..].first_chunk().expect("before here");
+            row[at..at + LANES].copy_from_slice(&next);
+            row[at + LANES - 1] = columns[(LANES - 1) * layout.stripe + at / LANES];
+        }
+    }
+}
+
+/// Puts the first columns in the places of a left row, four neighbours at once.
+#[inline(always)]
+fn spread(layout: &Layout, columns: &[u8], row: &mut [u8]) {
+    let vectors: &mut [[u8; LANES]] = row.as_chunks_mut().0;
+    let stripes = columns.chunks_exact(layout.stripe).take(LANES);
+    let Some(last) = layout.stripe.checked_sub(NEIGHBOURS) else {
+        for (lane, stripe) in stripes.enumerate() {
+            for (vector, &column) in vectors.iter_mut().zip(stripe) {
+                vector[lane] = column;
+            }
+        }
+        return;
+    };
+    for j in (0..layout.stripe).step_by(NEIGHBOURS) {
+        // Those at the end are some of the ones before once more.
+        let j = j.min(last);
+        let mut neighbours = [0; LANES];
+        for (neighbours, stripe) in neighbours.iter_mut().zip(stripes.clone()) {
+            let stripe = stripe[j..].first_chunk().expect("not after the last");
+            *neighbours = u32::from_le_bytes(*stripe);
+        }
+        for (n, vector) in (0..).zip(&mut vectors[j..j + NEIGHBOURS]) {
+            for l in 0..LANES {
+                vector[l] = (neighbours[l] >> (n * u8::BITS)) as u8;
+            }
         }
     }
 }
@@ -204,6 +232,7 @@ fn side_by_side(vectors: &[[u8; LANES]; NEIGHBOURS]) -> [[u8; NEIGHBOURS]; LANES
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::level::Level;
     use raster::{BoundingBox, DisparityRange};
 
     fn layout(columns: usize, range: (i32, i32)) -> Layout {
@@ -244,13 +273,15 @@ mod tests {
         for columns in [1, 57, 130, 180, 249, 500, 600] {
             let layout = layout(columns, (0, 0));
             let line: Vec<u8> = (0..layout.left()).map(|i| (i * 37 % 251) as u8).collect();
-            let [mut row, mut gathered] = [(); 2].map(|()| vec![0; layout.left()]);
-            layout.spread(&line, &mut row);
-            assert!(
-                line.iter().zip(0..).all(|(sample, column)| row[layout.place(column)] == *sample)
-            );
-            layout.gather(&row, &mut gathered);
-            assert_eq!(gathered, line, "{columns} columns");
+            for level in Level::available() {
+                let [mut row, mut gathered] = [(); 2].map(|()| vec![0; layout.left()]);
+                spread_left(level, &layout, &line, &mut row);
+                for (column, sample) in line.iter().enumerate() {
+                    assert_eq!(row[layout.place(column)], *sample, "{columns} columns, {level:?}");
+                }
+                layout.gather(&row, &mut gathered);
+                assert_eq!(gathered, line, "{columns} columns, {level:?}");
+            }
         }
     }
 
@@ -260,11 +291,13 @@ mod tests {
         let layout = layout(columns, range);
         let line: Vec<u8> =
             (0..layout.left() + layout.count() - 1).map(|i| (i * 37 % 251) as u8).collect();
-        let mut row = vec![0; layout.right()];
-        layout.spread_right(&line, &mut row);
-        for (vector, lanes) in row.as_chunks::<LANES>().0.iter().enumerate() {
-            for (lane, &sample) in lanes.iter().enumerate() {
-                assert_eq!(sample, line[vector + lane * layout.left() / LANES]);
+        for level in Level::available() {
+            let mut row = vec![0; layout.right()];
+            spread_right(level, &layout, &line, &mut row);
+            for (vector, lanes) in row.as_chunks::<LANES>().0.iter().enumerate() {
+                for (lane, &sample) in lanes.iter().enumerate() {
+                    assert_eq!(sample, line[vector + lane * layout.left() / LANES], "{level:?}");
+                }
             }
         }
     }

@@ -435,19 +435,37 @@ fn gather_right<const MANY: bool>(sad: &mut Sad, layout: &Layout) {
     nothing[LANES - 1] = OUT;
     for at in (0..least.len() - length).step_by(LANES) {
         // Further on stands what is in the next lane here.
-        let mut cost = *group(least, at + 1);
-        let here = [*group(low, at + 1), *group(high, at + 1)];
-        let least = group_mut(least, at + length);
-        let (low, high) = (group_mut(low, at + length), group_mut(high, at + length));
-        for l in 0..LANES {
-            cost[l] |= nothing[l];
-            let is_less = cost[l] < least[l];
-            low[l] = either(is_less, here[0][l], low[l]);
-            if MANY {
-                high[l] = either(is_less, here[1][l], high[l]);
-            }
-            least[l] = least[l].min(cost[l]);
+        let (here, further) = least.split_at_mut(at + length);
+        let (costs, least) = (group(here, at + 1), group_mut(further, 0));
+        if MANY {
+            let (here, further) = high.split_at_mut(at + length);
+            take_of_lesser(costs, &nothing, least, group(here, at + 1), group_mut(further, 0));
         }
+        let (here, further) = low.split_at_mut(at + length);
+        take_of_lesser(costs, &nothing, least, group(here, at + 1), group_mut(further, 0));
+        lower(costs, &nothing, least);
+    }
+}
+
+/// Lowers least sums to others that are less.
+#[inline(always)]
+fn lower(costs: &[u8; LANES], nothing: &[u8; LANES], least: &mut [u8; LANES]) {
+    for l in 0..LANES {
+        least[l] = least[l].min(costs[l] | nothing[l]);
+    }
+}
+
+/// Takes the numbers of sums that are less than the least ones so far.
+#[inline(always)]
+fn take_of_lesser(
+    costs: &[u8; LANES],
+    nothing: &[u8; LANES],
+    least: &[u8; LANES],
+    others: &[u8; LANES],
+    numbers: &mut [u8; LANES],
+) {
+    for l in 0..LANES {
+        numbers[l] = either((costs[l] | nothing[l]) < least[l], others[l], numbers[l]);
     }
 }
 
@@ -502,6 +520,7 @@ mod tests {
     use crate::cost::SearchSpace;
     use crate::kernels::border::repeat_border;
     use crate::kernels::level::Level;
+    use crate::kernels::stripes::{spread_left, spread_right};
     use raster::{BoundingBox, DisparityRange, Plane};
 
     /// The definition of [`Winners::columns`]: every window summed anew, every candidate looked at.
@@ -563,9 +582,9 @@ mod tests {
         };
         let rows = |y: usize| {
             let [mut left_row, mut right_row] = [vec![0; layout.left()], vec![0; layout.right()]];
-            layout.spread(&extended(left, y, first, layout.left()), &mut left_row);
+            spread_left(level, &layout, &extended(left, y, first, layout.left()), &mut left_row);
             let extended = extended(right, y, least, layout.left() + layout.count() - 1);
-            layout.spread_right(&extended, &mut right_row);
+            spread_right(level, &layout, &extended, &mut right_row);
             [left_row, right_row]
         };
         fn pair(rows: &[Vec<u8>; 2]) -> RowPair<'_> {
