@@ -198,7 +198,7 @@ pub(crate) mod tests {
     use crate::Preset;
     use raster::Plane;
 
-    /// The profile of a preset on two images without a match.
+    /// The profile of a preset on two images that lie 20 pixels apart.
     fn profile(preset: Preset, memory: Option<usize>) -> Vec<Stage> {
         let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
         let images = [0, 20]

@@ -1,6 +1,7 @@
 //! A fixed square window, by running sums.
 //!
-//! `C(x, y, d) = sum of |L(x', y') - R(x' - d, y')| over |x' - x| <= r, |y' - y| <= r`, the window
+//! `C(x, y, d) = sum of |L(x', y') - R(x' - d, y')| over |x' - x| <= r, |y' - y| <= r`, of whose columns
+//! whole fours count, up to a bound ([`crate::kernels::sad`]), the window
 //! clipped at the image's border: all disparities of a pixel are compared over the same left
 //! pixels, so nothing needs to be normalised.
 //!

@@ -21,7 +21,7 @@ const BLOCK: usize = 128;
 pub(crate) const REACH: usize = 2;
 pub(crate) const SIDE: usize = 2 * REACH + 1;
 
-/// Operations on bytes per pixel of 16 bits: 71 pairs are put in order by a minimum and a maximum, of
+/// Operations on bytes per pixel of 16 bits: 71 pairs are put in order by a minimum and what it leaves, of
 /// which 28 are never looked at.
 pub(crate) const OPERATIONS: usize = (2 * 71 - 28) * 2;
 
@@ -87,7 +87,7 @@ pub(crate) fn copy_with_ends<T: Copy, const N: usize>(
 }
 
 /// The smaller number first. The larger one is what is left of both: for that operation processors have more
-/// units than for a maximum.
+/// units than for a maximum where it is one (AVX-512).
 #[inline(always)]
 fn order(a: &mut u16, b: &mut u16) {
     let least = (*a).min(*b);

@@ -18,7 +18,7 @@ use crate::kernels::sad::{RADIUS, TOGETHER};
 /// Columns of a vector.
 pub(crate) const LANES: usize = 64;
 
-/// So many neighbours go from stripes into a row at once.
+/// So many neighbours go between stripes and a row at once.
 const NEIGHBOURS: usize = 4;
 
 /// Columns of a window.
@@ -29,7 +29,7 @@ const WINDOW: usize = 2 * RADIUS + 1;
 pub(crate) struct Layout {
     /// Columns of a stripe.
     stripe: usize,
-    /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from
+    /// Where the vectors begin that the windows of the vector before the first see, counted from
     /// that vector on.
     first_vectors: [usize; WINDOW],
     /// Columns that are answered.
@@ -48,7 +48,8 @@ impl Layout {
     /// The layout of a search space.
     pub fn new(space: &SearchSpace) -> Self {
         let seen = space.columns() + 2 * RADIUS;
-        // Of two columns at least, so that no vector overlaps the one a stripe and a lane further on.
+        // Of two columns at least, so that a vector a lane further on can be read while that a
+        // stripe further on is written.
         let stripe = seen.div_ceil(LANES).max(2);
         let end = (space.width - space.first).min(space.columns() + RADIUS) + RADIUS;
         let count = space.count.next_multiple_of(TOGETHER);
@@ -114,7 +115,7 @@ impl Layout {
         place % LANES * self.stripe + place / LANES
     }
 
-    /// Where the vectors of bytes begin that the windows of the vector before the first see, counted from
+    /// Where the vectors begin that the windows of the vector before the first see, counted from
     /// that vector on.
     pub fn first_vectors(&self) -> [usize; WINDOW] {
         self.first_vectors

@@ -3,7 +3,7 @@
 //! ```text
 //! A(x, y, k) = |L(x, y) - R(x - min - k, y)|
 //! V(x, y, k) = sum of A(x, y', k) over |y' - y| <= r inside the image
-//! C(x, y, k) = sum of min(V(x', y, k) / 4, 27) over |x' - x| <= r inside the image
+//! C(x, y, k) = sum of min(floor(V(x', y, k) / 4), 27) over |x' - x| <= r inside the image
 //! ```
 //!
 //! In: the filtered rows that enter and leave the window. Out: per column the least sum of the left view, its
@@ -22,7 +22,7 @@
 //!    compares each disparity's sum of another column, none more than three vectors back: no row of sums is kept
 //!    but that of the disparity beside the next ones.
 //!
-//! Everything is an operation on whole vectors that begin where a cache line does, and no vector is
+//! Nearly everything is an operation on whole vectors that begin where a cache line does, and no vector is
 //! ever folded into one number. (With the disparities of a column side by side, as OpenCV has them,
 //! `C` is slid along as well, but finding the least of a vector and its place costs more.) What is not needed
 //! any more is not kept: sums of all disparities, to be looked up around the winners, would go through the
@@ -43,7 +43,8 @@ const SIDE: u8 = 2 * RADIUS as u8 + 1;
 pub(crate) const LARGEST_DIFFERENCE: u8 = u8::MAX / SIDE;
 /// A sum down a column counts in so many bits less.
 const COARSER: u32 = 2;
-/// And as so much at most: no sum over the window reaches [`OUT`], and that of larger ones does.
+/// And as so much at most: no sum over the window reaches [`OUT`]. Of columns with one more, as those get that
+/// are not tried, it does, and still fits a byte.
 const LARGEST_COLUMN: u8 = 27;
 /// Sums from here on stand for "cannot be tried".
 pub(crate) const OUT: u8 = SIDE * LARGEST_COLUMN + 1;
@@ -213,7 +214,7 @@ fn slide_vector(
     }
 }
 
-/// Slides the window down by one row, and finds what wins there, of `MANY` disparities more than [`BYTE`].
+/// Slides the window down by one row, and finds what wins there; of `MANY` disparities there are more than [`BYTE`].
 #[inline(always)]
 fn match_all<const MANY: bool>(
     sad: &mut Sad,
