@@ -161,7 +161,7 @@ impl Layout {
         for j in (0..self.stripe).step_by(NEIGHBOURS) {
             // Those at the end are some of the ones before once more.
             let j = j.min(last);
-            let neighbours = side_by_side(vectors[j..].first_chunk().expect("not after the last"));
+            let neighbours = by_lanes(vectors[j..].first_chunk().expect("not after the last"));
             let stripes = columns.chunks_exact_mut(self.stripe);
             for (stripe, neighbours) in stripes.zip(&neighbours) {
                 stripe[j..j + NEIGHBOURS].copy_from_slice(neighbours);
@@ -220,7 +220,7 @@ fn spread(layout: &Layout, columns: &[u8], row: &mut [u8]) {
 
 /// Of vectors that follow each other the neighbours in each lane.
 #[inline(always)]
-fn side_by_side(vectors: &[[u8; LANES]; NEIGHBOURS]) -> [[u8; NEIGHBOURS]; LANES] {
+fn by_lanes(vectors: &[[u8; LANES]; NEIGHBOURS]) -> [[u8; NEIGHBOURS]; LANES] {
     let mut neighbours = [[0; NEIGHBOURS]; LANES];
     for l in 0..LANES {
         for n in 0..NEIGHBOURS {

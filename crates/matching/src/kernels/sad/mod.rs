@@ -29,9 +29,11 @@
 //! second-level cache. Four disparities are compared together, so that minima are loaded and stored less often.
 
 mod memory;
+mod order;
 
-use self::memory::{BEFORE, Indices};
+use self::memory::BEFORE;
 pub(crate) use self::memory::{Sad, Winners};
+use self::order::{gather_right, tell};
 use super::level::at_every_level;
 use super::stripes::{LANES, Layout};
 
@@ -104,25 +106,25 @@ at_every_level! {
 
 /// The vector at a place.
 #[inline(always)]
-fn group<T>(samples: &[T], at: usize) -> &[T; LANES] {
+fn group(samples: &[u8], at: usize) -> &[u8; LANES] {
     samples[at..].first_chunk().expect("a whole group")
 }
 
 /// The vector at a place.
 #[inline(always)]
-fn group_mut<T>(samples: &mut [T], at: usize) -> &mut [T; LANES] {
+fn group_mut(samples: &mut [u8], at: usize) -> &mut [u8; LANES] {
     samples[at..].first_chunk_mut().expect("a whole group")
 }
 
 /// So many vectors from a place on.
 #[inline(always)]
-fn groups<T>(samples: &[T], at: usize, count: usize) -> &[[T; LANES]] {
+fn groups(samples: &[u8], at: usize, count: usize) -> &[[u8; LANES]] {
     &samples[at..].as_chunks().0[..count]
 }
 
 /// So many vectors from a place on.
 #[inline(always)]
-fn groups_mut<T>(samples: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]] {
+fn groups_mut(samples: &mut [u8], at: usize, count: usize) -> &mut [[u8; LANES]] {
     &mut samples[at..].as_chunks_mut().0[..count]
 }
 
@@ -425,90 +427,6 @@ fn compare_right<const MANY: bool>(
     }
 }
 
-/// Right columns lie in several places, as many disparities as there are: gathers the winners of them all
-/// in the last one, where the smaller indices are already.
-#[inline(always)]
-fn gather_right<const MANY: bool>(sad: &mut Sad, layout: &Layout) {
-    let length = layout.left();
-    let (least, Indices { low, high }) = (&mut sad.right_least, &mut sad.right);
-    // The last lane has no next one.
-    let mut nothing = [0; LANES];
-    nothing[LANES - 1] = OUT;
-    for at in (0..least.len() - length).step_by(LANES) {
-        // Further on stands what is in the next lane here.
-        let (here, further) = least.split_at_mut(at + length);
-        let (costs, least) = (group(here, at + 1), group_mut(further, 0));
-        if MANY {
-            let (here, further) = high.split_at_mut(at + length);
-            take_of_lesser(costs, &nothing, least, group(here, at + 1), group_mut(further, 0));
-        }
-        let (here, further) = low.split_at_mut(at + length);
-        take_of_lesser(costs, &nothing, least, group(here, at + 1), group_mut(further, 0));
-        lower(costs, &nothing, least);
-    }
-}
-
-/// Lowers least sums to others that are less.
-#[inline(always)]
-fn lower(costs: &[u8; LANES], nothing: &[u8; LANES], least: &mut [u8; LANES]) {
-    for l in 0..LANES {
-        least[l] = least[l].min(costs[l] | nothing[l]);
-    }
-}
-
-/// Takes the numbers of sums that are less than the least ones so far.
-#[inline(always)]
-fn take_of_lesser(
-    costs: &[u8; LANES],
-    nothing: &[u8; LANES],
-    least: &[u8; LANES],
-    others: &[u8; LANES],
-    numbers: &mut [u8; LANES],
-) {
-    for l in 0..LANES {
-        numbers[l] = either((costs[l] | nothing[l]) < least[l], others[l], numbers[l]);
-    }
-}
-
-/// Puts what won in the order of the columns.
-#[inline(always)]
-fn tell<const MANY: bool>(sad: &mut Sad, layout: &Layout) {
-    let Sad { winners, row, .. } = sad;
-    layout.gather(&sad.least, &mut winners.least);
-    layout.gather(&sad.before, &mut winners.before);
-    layout.gather(&sad.after, &mut winners.after);
-    tell_indices::<MANY>(&sad.left.low, &sad.left.high, layout, row, &mut winners.index);
-    // Those before the last vectors of right columns are in the first lane alone.
-    let alone = layout.shift(0);
-    let (first, others) = winners.right_index.split_at_mut(alone);
-    let Indices { low, high } = &sad.right;
-    for (v, index) in first.iter_mut().enumerate() {
-        *index = u16::from_le_bytes([low[v * LANES], if MANY { high[v * LANES] } else { 0 }]);
-    }
-    tell_indices::<MANY>(&low[alone * LANES..], &high[alone * LANES..], layout, row, others);
-}
-
-/// Puts indices in the order of the columns, by way of a row of bytes.
-#[inline(always)]
-fn tell_indices<const MANY: bool>(
-    low: &[u8],
-    high: &[u8],
-    layout: &Layout,
-    row: &mut [u8],
-    indices: &mut [u16],
-) {
-    layout.gather(low, row);
-    for (index, &low) in indices.iter_mut().zip(&*row) {
-        *index = low.into();
-    }
-    if MANY {
-        layout.gather(high, row);
-        for (index, &high) in indices.iter_mut().zip(&*row) {
-            *index |= u16::from(high) << u8::BITS;
-        }
-    }
-}
-
 /// One of two numbers that lie in memory, for which the compiler would make a jump of a condition.
 #[inline(always)]
 fn either(is_this: bool, this: u8, that: u8) -> u8 {
@@ -565,6 +483,7 @@ mod tests {
 
     /// Winners of every row, by the kernel.
     fn winners_by_kernel(
+        sad: &mut Sad,
         level: Level,
         space: &SearchSpace,
         left: &Plane<u8>,
@@ -592,15 +511,14 @@ mod tests {
             RowPair { left: &rows[0], right: &rows[1] }
         }
         let nothing = rows(usize::MAX);
-        let mut sad = Sad::default();
         sad.begin(&layout);
         for y in 0..RADIUS {
-            slide_down(level, &mut sad, &layout, pair(&rows(y)), pair(&nothing));
+            slide_down(level, sad, &layout, pair(&rows(y)), pair(&nothing));
         }
         let mut all = Vec::new();
         for y in 0..height {
             let (entering, leaving) = (rows(y + RADIUS), rows(y.wrapping_sub(RADIUS + 1)));
-            match_row(level, &mut sad, &layout, pair(&entering), pair(&leaving));
+            match_row(level, sad, &layout, pair(&entering), pair(&leaving));
             all.push(sad.winners().columns(&layout));
         }
         all
@@ -634,6 +552,8 @@ mod tests {
             (400, 2, (20, 390), (-250, 30)),
             (700, 2, (0, 699), (0, 599)),
         ];
+        // One memory for all: what a shape leaves behind is not to show in the next.
+        let mut sad = Sad::default();
         for level in Level::available() {
             eprintln!("level {}", level.name());
             for (width, height, (x0, x1), (min, max)) in shapes {
@@ -649,7 +569,7 @@ mod tests {
                 let bounds = BoundingBox::new(x0, 0, x1, 0).unwrap();
                 let range = DisparityRange::new(min, max).unwrap();
                 let space = SearchSpace::new(width, bounds, range);
-                let found = winners_by_kernel(level, &space, &left, &right);
+                let found = winners_by_kernel(&mut sad, level, &space, &left, &right);
                 let out = u16::from(OUT);
                 for (y, found) in found.into_iter().enumerate() {
                     let expected = winners_by_definition(&space, &left, &right, y);
