@@ -232,6 +232,11 @@ impl<'a, T> View<'a, T> {
         let (columns, rows) = (columns.len(), rows.len());
         Self { samples: &self.samples[first..], columns, rows, ..*self }
     }
+
+    /// Every so many-th of its rows, from the first one on.
+    pub fn every_row(&self, apart: usize) -> View<'a, T> {
+        Self { rows: self.rows.div_ceil(apart), stride: self.stride * apart, ..*self }
+    }
 }
 
 impl<T: Clone> View<'_, T> {
@@ -281,6 +286,15 @@ mod tests {
         assert_eq!(part.to_plane().samples(), [21, 22, 23, 31, 32, 33]);
         assert_eq!(part.part(1..2, 1..2).row(0), [32]);
         assert_eq!(plane.view().part(5..5, 4..4).to_plane().size(), (0, 0));
+    }
+
+    #[test]
+    fn every_so_many_th_row_begins_with_the_first() {
+        let plane = Plane::from_fn(3, 5, |x, y| 10 * y + x);
+        let part = plane.view().part(1..3, 0..5);
+        assert_eq!(part.every_row(2).to_plane().samples(), [1, 2, 21, 22, 41, 42]);
+        assert_eq!(part.every_row(4).to_plane().samples(), [1, 2, 41, 42]);
+        assert_eq!(part.every_row(1).to_plane().samples(), part.to_plane().samples());
     }
 
     #[test]

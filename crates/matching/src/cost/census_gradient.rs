@@ -12,19 +12,22 @@
 //! smears them. Truncated, it cannot outvote the census where gain differs (Mei et al., ICCV
 //! Workshops 2011, mix census and absolute differences in this way). Descriptors count nearly as
 //! much as both together, and more where there was no match ([`Weights`]).
+//!
+//! A row that stands for itself and the next one has words that see both ([`crate::prepare::census`]), and the
+//! steps of their mean.
 
 use std::ops::RangeInclusive;
 
 use raster::{Plane, View};
 use rayon::prelude::*;
 
-use super::SearchSpace;
+use super::{MatchedRows, SearchSpace};
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{LANES, LARGEST_COST};
 use crate::optimization::semi_global::CostRows;
 use crate::prepare::census::{self, BITS, CensusRows};
 use crate::prepare::descriptor::Descriptors;
-use crate::prepare::gradient::steps_along_row;
+use crate::prepare::gradient::{mean_of_rows, steps_along_row};
 use crate::prepare::grey::GreyView;
 use crate::profile::Work;
 
@@ -72,6 +75,8 @@ struct Features {
 struct Scratch {
     census: CensusRows,
     words: Vec<u32>,
+    /// Of a row and the next.
+    mean: Vec<u8>,
     steps: Vec<u8>,
 }
 
@@ -110,37 +115,46 @@ impl Place {
 }
 
 impl Features {
-    /// Computes features of `rows` rows of an image from row `first` on, `columns` in each. Both views
-    /// of the image are read, words and steps written.
+    /// Computes features of some rows of an image, `columns` in each. Both views of the image are read, words
+    /// and steps written.
     fn compute(
         &mut self,
         level: Level,
         (image, grey): Seen<'_>,
-        (first, rows): (usize, usize),
+        rows: MatchedRows,
         columns: usize,
         place: Place,
     ) -> Work {
-        let width = image.size().0;
-        self.words.reshape(columns, rows, 0);
-        self.steps.reshape(columns, rows, 0);
-        let height = rows.div_ceil(rayon::current_num_threads());
-        self.scratch.resize_with(rows.div_ceil(height), Scratch::default);
+        let (width, image_rows) = image.size();
+        let pair = rows.apart > 1;
+        self.words.reshape(columns, rows.count, 0);
+        self.steps.reshape(columns, rows.count, 0);
+        let height = rows.count.div_ceil(rayon::current_num_threads());
+        self.scratch.resize_with(rows.count.div_ceil(height), Scratch::default);
         let words = self.words.samples_mut().par_chunks_mut(columns * height);
         let steps = self.steps.samples_mut().par_chunks_mut(columns * height);
         let bands = words.zip(steps).zip(&mut self.scratch);
         bands.enumerate().for_each(|(i, ((words, steps), scratch))| {
             scratch.words.resize(width, 0);
             scratch.steps.resize(width, 0);
-            let rows = words.chunks_mut(columns).zip(steps.chunks_mut(columns));
-            for (y, (words, steps)) in (first + i * height..).zip(rows) {
-                scratch.census.words(level, image, y, &mut scratch.words);
-                steps_along_row(grey.row(y), &mut scratch.steps);
+            let out = words.chunks_mut(columns).zip(steps.chunks_mut(columns));
+            for (row, (words, steps)) in (i * height..).zip(out) {
+                let y = rows.in_image(row);
+                scratch.census.words(level, image, y, pair, &mut scratch.words);
+                let mut seen = grey.row(y);
+                if pair {
+                    scratch.mean.resize(width, 0);
+                    mean_of_rows(seen, grey.row((y + 1).min(image_rows - 1)), &mut scratch.mean);
+                    seen = &scratch.mean;
+                }
+                steps_along_row(seen, &mut scratch.steps);
                 place.put(&scratch.words, words);
                 place.put(&scratch.steps, steps);
             }
         });
-        let read = image.bytes(rows) + width * rows;
-        Work::bytes(read + self.bytes()) + Work::operations(census::OPERATIONS) * (width * rows)
+        let read = rows.apart * (image.bytes(rows.count) + width * rows.count);
+        Work::bytes(read + self.bytes())
+            + Work::operations(census::OPERATIONS) * (width * rows.count)
     }
 
     /// Computes the descriptors of the same rows. The whole image is read once for its mean, then its
@@ -167,14 +181,13 @@ impl Features {
 }
 
 impl FeaturePair {
-    /// Computes the features of the columns of a search space and of `rows` rows from row `first`
-    /// on.
+    /// Computes the features of the columns of a search space and of some rows.
     pub fn compute(
         &mut self,
         level: Level,
         [left, right]: [Seen<'_>; 2],
         space: &SearchSpace,
-        rows: (usize, usize),
+        rows: MatchedRows,
     ) -> Work {
         let place = Place::Columns(space.first..=space.last);
         let left = self.left.compute(level, left, rows, space.columns(), place);
@@ -346,14 +359,16 @@ mod tests {
         let left = Plane::from_fn(40, 6, |x, y| scramble(x, y, 1));
         let right = Plane::from_fn(40, 6, |x, y| scramble(x + 3, y, 1));
         let views = [left.view(), right.view()].map(|image| (GreyView::Depth8(image), image));
-        let word = |(view, _): Seen<'_>, x: usize, y: usize| {
+        let word = |(view, _): Seen<'_>, x: usize, y: usize, pair: bool| {
             let mut words = [0; 40];
-            CensusRows::default().words(Level::detect(), view, y, &mut words);
+            CensusRows::default().words(Level::detect(), view, y, pair, &mut words);
             words[x]
         };
-        let step = |(_, grey): Seen<'_>, x: usize, y: usize| {
-            let mut steps = [0; 40];
-            steps_along_row(grey.row(y), &mut steps);
+        let step = |(_, grey): Seen<'_>, x: usize, y: usize, pair: bool| {
+            let (mut steps, mut mean) = ([0; 40], [0; 40]);
+            let next = if pair { (y + 1).min(5) } else { y };
+            mean_of_rows(grey.row(y), grey.row(next), &mut mean);
+            steps_along_row(&mean, &mut steps);
             steps[x]
         };
         let descriptors = views.map(|(view, _)| {
@@ -365,20 +380,26 @@ mod tests {
         // The second range begins where no match lies inside.
         for (range, columns) in [((-4, 37), (5, 38)), ((10, 30), (0, 39)), ((-60, -31), (3, 12))] {
             let range = DisparityRange::new(range.0, range.1).unwrap();
-            let bounds = BoundingBox::new(columns.0, 1, columns.1, 4).unwrap();
+            let bounds = BoundingBox::new(columns.0, 1, columns.1, 5).unwrap();
             let space = SearchSpace::new(40, bounds, range);
-            let doubtful = Plane::from_fn(space.columns(), 4, |x, y| (x + y) % 3 == 0);
-            for (level, doubtful) in
-                Level::available().into_iter().flat_map(|l| [(l, None), (l, Some(&doubtful))])
+            let doubtful = Plane::from_fn(space.columns(), 5, |x, y| (x + y) % 3 == 0);
+            // Descriptors are of all rows.
+            let kinds = [(1, None), (1, Some(&doubtful)), (2, None)];
+            for (level, (apart, doubtful)) in
+                Level::available().into_iter().flat_map(|l| kinds.map(|kind| (l, kind)))
             {
                 eprintln!("level {}", level.name());
+                let (rows, is_pair) = (MatchedRows::of(bounds, apart), apart > 1);
                 let mut pair = FeaturePair::default();
-                pair.compute(level, views, &space, (1, 4));
-                pair.describe(level, views.map(|(view, _)| view), &space, 1);
-                let rows = pair.costs(level, &space, doubtful);
+                pair.compute(level, views, &space, rows);
+                if !is_pair {
+                    pair.describe(level, views.map(|(view, _)| view), &space, 1);
+                }
+                let costs_of_rows = pair.costs(level, &space, doubtful);
                 let mut costs = vec![0; space.columns() * space.lanes];
-                for y in 0..4 {
-                    rows.fill_row(y, &mut costs);
+                for y in 0..rows.count {
+                    let image_row = rows.in_image(y);
+                    costs_of_rows.fill_row(y, &mut costs);
                     for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
                         let weights = match doubtful.map(|doubtful| doubtful.row(y)[x]) {
                             None => CENSUS,
@@ -389,11 +410,13 @@ mod tests {
                         for (k, &cost) in costs[..space.count].iter().enumerate() {
                             let at = x as i64 - i64::from(space.min) - k as i64;
                             let at = at.clamp(0, 39) as usize;
-                            let bits =
-                                (word(views[0], x, y + 1) ^ word(views[1], at, y + 1)).count_ones();
-                            let (a, b) = (step(views[0], x, y + 1), step(views[1], at, y + 1));
-                            let unlike =
-                                descriptors[0].row(y + 1)[x] ^ descriptors[1].row(y + 1)[at];
+                            let [a, b] = [(views[0], x), (views[1], at)]
+                                .map(|(view, x)| word(view, x, image_row, is_pair));
+                            let bits = (a ^ b).count_ones();
+                            let [a, b] = [(views[0], x), (views[1], at)]
+                                .map(|(view, x)| step(view, x, image_row, is_pair));
+                            let unlike = descriptors[0].row(image_row)[x]
+                                ^ descriptors[1].row(image_row)[at];
                             let expected = bits * u32::from(weights.census) / 64
                                 + u32::from(a.abs_diff(b).min(20))
                                 + unlike.count_ones() * u32::from(weights.descriptor) / 64;

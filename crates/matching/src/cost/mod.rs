@@ -72,9 +72,43 @@ impl SearchSpace {
     }
 }
 
+/// The rows of an image that are matched: of a part of it all, or every second one, which then stands for
+/// itself and the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct MatchedRows {
+    /// The first one.
+    pub top: usize,
+    pub count: usize,
+    /// Rows of the image from one to the next: 1 or 2.
+    pub apart: usize,
+}
+
+impl MatchedRows {
+    /// Every so many-th of the rows of a part of an image.
+    pub fn of(part: BoundingBox, apart: usize) -> Self {
+        Self { top: part.y0, count: part.rows().div_ceil(apart), apart }
+    }
+
+    /// Where one of them lies in the image.
+    pub fn in_image(&self, row: usize) -> usize {
+        self.top + self.apart * row
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_matched_from_the_first_on() {
+        let part = BoundingBox::new(2, 5, 3, 9).unwrap();
+        let rows = |apart| {
+            let rows = MatchedRows::of(part, apart);
+            (0..rows.count).map(|row| rows.in_image(row)).collect::<Vec<_>>()
+        };
+        assert_eq!(rows(1), [5, 6, 7, 8, 9]);
+        assert_eq!(rows(2), [5, 7, 9]);
+    }
 
     fn space(width: usize, columns: (usize, usize), range: (i32, i32)) -> SearchSpace {
         let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();

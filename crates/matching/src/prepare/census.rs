@@ -4,6 +4,9 @@
 //! matter. The window is 7 columns by 5 rows without two opposite corners: 32 bits. Wider ones blur
 //! the edges of objects more than they help on blank walls. Beyond the border of the image the
 //! nearest pixel is repeated.
+//!
+//! Where a row stands for itself and the next one, every second column of the window is that of the next
+//! row's pixel: no pixel's noise is then in all bits.
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::grey::GreyView;
@@ -13,6 +16,8 @@ const REACH_X: usize = 3;
 /// Rows above and below the pixel.
 const REACH_Y: usize = 2;
 const ROWS: usize = 2 * REACH_Y + 1;
+/// Of a row and the next.
+const ROWS_OF_PAIR: usize = ROWS + 1;
 /// Neighbours that are compared, hence the largest Hamming distance.
 pub(crate) const BITS: u8 = 32;
 /// Operations on bytes per pixel: each bit is a comparison of 16 bits that goes into a word of 32.
@@ -27,14 +32,22 @@ const fn has_bit(dx: usize, dy: usize) -> bool {
 
 /// The rows around a pixel's row, their ends repeated.
 #[derive(Default)]
-pub(crate) struct CensusRows([Vec<u16>; ROWS]);
+pub(crate) struct CensusRows([Vec<u16>; ROWS_OF_PAIR]);
 
 impl CensusRows {
-    /// The census words of row `y`, one per column.
-    pub fn words(&mut self, level: Level, image: GreyView<'_>, y: usize, words: &mut [u32]) {
+    /// The census words of row `y`, one per column; or of that row and the next, if it is one of a `pair`.
+    pub fn words(
+        &mut self,
+        level: Level,
+        image: GreyView<'_>,
+        y: usize,
+        pair: bool,
+        words: &mut [u32],
+    ) {
         let (columns, rows) = image.size();
         let padded = columns.next_multiple_of(LANES) + 2 * REACH_X;
-        for (dy, to) in self.0.iter_mut().enumerate() {
+        let needed = if pair { ROWS_OF_PAIR } else { ROWS };
+        for (dy, to) in self.0[..needed].iter_mut().enumerate() {
             let from = (y + dy).saturating_sub(REACH_Y).min(rows - 1);
             to.resize(padded, 0);
             let middle = &mut to[REACH_X..REACH_X + columns];
@@ -46,7 +59,8 @@ impl CensusRows {
             to[..REACH_X].fill(first);
             to[REACH_X + columns..].fill(last);
         }
-        words_of_row(level, self.0.each_ref().map(|row| &row[..]), words);
+        let window = |first: usize| std::array::from_fn(|dy| &self.0[first + dy][..]);
+        words_of_row(level, [window(0), window(usize::from(pair))], words);
     }
 }
 
@@ -60,18 +74,20 @@ at_every_level! {
         }
     }
 
-    /// Is the neighbour darker than the pixel? One bit each, in the order of reading.
-    fn words_of_row(rows: [&[u16]; ROWS], words: &mut [u32]) {
+    /// Is the neighbour darker than the pixel? One bit each, in the order of reading; of the first window in even
+    /// columns, of the second in odd ones.
+    fn words_of_row(windows: [[&[u16]; ROWS]; 2], words: &mut [u32]) {
         for (block, words) in words.chunks_mut(LANES).enumerate() {
-            let lanes = |dx: usize, dy: usize| -> &[u16; LANES] {
-                rows[dy][block * LANES + dx..].first_chunk().expect("rows are padded")
+            let lanes = |rows: &[&[u16]; ROWS], dx: usize, dy: usize| -> [u16; LANES] {
+                *rows[dy][block * LANES + dx..].first_chunk().expect("rows are padded")
             };
-            let pixels = lanes(REACH_X, REACH_Y);
+            let pixels = windows.each_ref().map(|rows| lanes(rows, REACH_X, REACH_Y));
             let mut word = [0u32; LANES];
             for dy in 0..ROWS {
                 for dx in 0..=2 * REACH_X {
                     if has_bit(dx, dy) {
-                        let neighbours = lanes(dx, dy);
+                        let neighbours = lanes(&windows[dx % 2], dx, dy);
+                        let pixels = &pixels[dx % 2];
                         for i in 0..LANES {
                             word[i] = word[i] << 1 | u32::from(neighbours[i] < pixels[i]);
                         }
@@ -92,21 +108,22 @@ mod tests {
     fn a_word_counts_the_darker_neighbours() {
         let image = Plane::<u16>::from_fn(9, 7, |x, y| ((x * 37 + y * 91) % 50) as u16);
         for level in Level::available() {
-            for y in 0..7 {
+            for (y, pair) in (0..7).flat_map(|y| [(y, false), (y, true)]) {
                 let mut words = [u32::MAX; 9];
                 let view = GreyView::Depth16(image.view());
-                CensusRows::default().words(level, view, y, &mut words);
+                CensusRows::default().words(level, view, y, pair, &mut words);
                 for (x, word) in words.into_iter().enumerate() {
                     let mut expected = 0u32;
-                    for v in y as i64 - 2..=y as i64 + 2 {
-                        for u in x as i64 - 3..=x as i64 + 3 {
-                            let (dx, dy) = (u - x as i64, v - y as i64);
+                    let at =
+                        |u: i64, v: i64| image.row(v.clamp(0, 6) as usize)[u.clamp(0, 8) as usize];
+                    for dy in -2..=2 {
+                        for dx in -3..=3 {
                             if [(0, 0), (-3, -2), (3, 2)].contains(&(dx, dy)) {
                                 continue;
                             }
-                            let neighbour =
-                                image.row(v.clamp(0, 6) as usize)[u.clamp(0, 8) as usize];
-                            expected = expected << 1 | u32::from(neighbour < image.row(y)[x]);
+                            // -3, -1, 1 and 3 are columns 0, 2, 4 and 6 of the window.
+                            let (x, y) = (x as i64, y as i64 + i64::from(pair && dx % 2 == 0));
+                            expected = expected << 1 | u32::from(at(x + dx, y + dy) < at(x, y));
                         }
                     }
                     assert_eq!(word, expected, "({x}, {y})");

@@ -14,9 +14,23 @@ pub(crate) fn steps_along_row(row: &[u8], steps: &mut [u8]) {
     }
 }
 
+/// The mean of two rows; halves are rounded up.
+pub(crate) fn mean_of_rows(row: &[u8], next: &[u8], mean: &mut [u8]) {
+    for ((mean, &one), &other) in mean.iter_mut().zip(row).zip(next) {
+        *mean = (u16::from(one) + u16::from(other)).div_ceil(2) as u8;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn means_are_rounded_up() {
+        let mut mean = [0; 4];
+        mean_of_rows(&[10, 11, 255, 0], &[10, 12, 255, 255], &mut mean);
+        assert_eq!(mean, [10, 12, 255, 128]);
+    }
 
     #[test]
     fn a_case_worked_by_hand() {

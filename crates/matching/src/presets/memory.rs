@@ -7,7 +7,7 @@
 use raster::{BoundingBox, Image};
 
 use super::right_choices::RightChoices;
-use crate::cost::SearchSpace;
+use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::matcher::Frame;
 use crate::optimization::bands::{Bands, Volume};
@@ -62,12 +62,13 @@ impl Needs {
     pub fn new(
         frame: &Frame<'_>,
         work: BoundingBox,
+        rows: MatchedRows,
         space: &SearchSpace,
         ingredients: Ingredients,
         jury: &Jury,
     ) -> Self {
         let (width, height) = frame.size();
-        let (columns, lines) = (work.columns(), work.rows());
+        let (columns, lines) = (work.columns(), rows.count);
         // Pixels of the images, of their rows that are matched, and of the left one's part.
         let (all, wide, part) = (width * height, width * lines, columns * lines);
         let of_image = |image| (grey(image) + upper_bits(image)) * all;
@@ -109,9 +110,11 @@ impl Needs {
         let chosen = if right_choice { width } else { columns };
         let choice = if choice { Choices::bytes(jury, (chosen, lines), width) } else { 0 };
         let refined = filled + right + choice;
-        let stages = images + flat + features + descriptors + left + prior + refined;
+        // How sure matched rows are, and the left view in fixed point with the rows between.
+        let spread = 4 * wide + 2 * columns * work.rows();
+        let stages = images + flat + features + descriptors + left + prior + refined + spread;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
-        Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
+        Self { rest: ANSWER * all + stages + self::rows(width + space.count), volume }
     }
 
     /// The least that it takes.

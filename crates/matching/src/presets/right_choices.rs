@@ -31,7 +31,8 @@ impl RightChoices {
     }
 
     /// Lets the pixels of the right view choose, once or in more rounds, into its map. Both views are checked
-    /// against each other and filled; `confidence` is that of the left one, in rows of the image.
+    /// against each other and filled; `confidence` is that of the left one, in rows of the image. All rows are
+    /// matched.
     pub fn run(
         &mut self,
         search: Search<'_>,

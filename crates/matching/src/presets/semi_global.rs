@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::memory::Needs;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
-use crate::cost::SearchSpace;
 use crate::cost::census_gradient::FeaturePair;
+use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
@@ -26,15 +26,30 @@ use crate::prepare::noise::{self, noise};
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::plane_fill::fill;
+use crate::refinement::rows_between::{self, All, Matched};
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What changes of disparity cost, where the paths run once and where they run again; in a noisy image
-/// its steps count less ([`penalties`]).
-const PENALTIES: Penalties = Penalties { p1: 17, p2: 75, p2_least: 25, fall: 96, noise: 0 };
+/// What the presets differ in, beside their ingredients.
+struct Parameters {
+    /// Rows from one that is matched to the next.
+    apart: usize,
+    /// What changes of disparity cost; in a noisy image its steps count less ([`penalties`]).
+    penalties: Penalties,
+}
+
+const BALANCED: Parameters = Parameters {
+    apart: 2,
+    penalties: Penalties { p1: 10, p2: 50, p2_least: 14, fall: 96, noise: 0 },
+};
+const BEST: Parameters = Parameters {
+    apart: 1,
+    penalties: Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 },
+};
+
 /// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
 /// noise of up to this standard deviation where images are clean.
 const STEPS_OF_NOISE: f32 = 3.0;
@@ -46,6 +61,8 @@ const UNIQUE: u16 = 2;
 const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
 const SURE: f32 = 0.4;
+/// Between two matched rows that differ by no more, in pixels, a pixel lies halfway.
+const ONE_SURFACE: f32 = 1.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
 
@@ -57,6 +74,7 @@ const FILL: &str = "fill";
 /// The stages and their memory.
 pub(crate) struct SemiGlobalMatching {
     ingredients: Ingredients,
+    parameters: &'static Parameters,
     level: Level,
     buffers: [GreyBuffer; 2],
     alignment: Alignment,
@@ -74,6 +92,10 @@ pub(crate) struct SemiGlobalMatching {
     right: View,
     right_choices: RightChoices,
     choices: Choices,
+    /// How sure the matched rows are.
+    confidence: Plane<f32>,
+    /// The left view in fixed point, with the rows between.
+    steps: Plane<u16>,
     /// Rows of medians, one for each thread.
     medians: Vec<Vec<u16>>,
     /// The bytes that it may take, with the answer.
@@ -101,6 +123,7 @@ impl SemiGlobalMatching {
     ) -> Self {
         Self {
             ingredients: Ingredients::of(preset, without),
+            parameters: if preset == Preset::Balanced { &BALANCED } else { &BEST },
             level,
             memory,
             buffers: Default::default(),
@@ -115,18 +138,24 @@ impl SemiGlobalMatching {
             right: View::default(),
             right_choices: RightChoices::default(),
             choices: Choices::new(Jury::of(preset)),
+            confidence: Plane::default(),
+            steps: Plane::default(),
             medians: Vec::new(),
         }
     }
 }
 
 /// What changes of disparity cost in an image: the more noisy it is, the less its steps of grey count.
-fn penalties(ingredients: Ingredients, grey: raster::View<'_, u8>) -> (Penalties, Work) {
+fn penalties(
+    ingredients: Ingredients,
+    penalties: Penalties,
+    grey: raster::View<'_, u8>,
+) -> (Penalties, Work) {
     if !ingredients.has(Ingredient::AdaptiveP2) {
-        return (Penalties { fall: 0, ..PENALTIES }, Work::default());
+        return (Penalties { fall: 0, ..penalties }, Work::default());
     }
     let steps = STEPS_OF_NOISE * (noise(grey) - LITTLE_NOISE).max(0.0);
-    (Penalties { noise: steps.round_ties_even() as u8, ..PENALTIES }, noise::work(grey))
+    (Penalties { noise: steps.round_ties_even() as u8, ..penalties }, noise::work(grey))
 }
 
 at_every_level! {
@@ -163,14 +192,15 @@ impl SemiGlobalMatching {
         confidence: &mut [f32],
         follow: bool,
     ) -> Work {
-        let Search { ingredients, level, work, bands, .. } = search;
+        let Search { ingredients, level, work, rows, bands, .. } = search;
         let doubtful = ingredients.has(Ingredient::Descriptors).then_some(&self.doubtful);
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
         // A range of three disparities can leave none to compare a winner with.
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
         let least_margin = if compared { UNIQUE } else { 0 };
         let guide = search.grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1);
-        let middle = SemiGlobal::middle(work.rows());
+        let guide = guide.every_row(rows.apart);
+        let middle = SemiGlobal::middle(rows.count);
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
         let confidence = confidence.split_at_mut(middle * space.width);
@@ -202,7 +232,7 @@ impl SemiGlobalMatching {
             bands,
             finish,
         );
-        paths + Selection::work(space) * work.rows()
+        paths + Selection::work(space) * rows.count
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
@@ -288,7 +318,8 @@ impl SemiGlobalMatching {
             least: range.min() as f32,
             most: range.max() as f32,
         };
-        let before = raster::View::new(columns.len(), work.rows(), width, &confidence[work.x0..])
+        let rows = search.rows.count;
+        let before = raster::View::new(columns.len(), rows, width, &confidence[work.x0..])
             .expect("the part lies in the image");
         let rounds = if further { usize::MAX } else { 1 };
         let done = self.choices.run(level, rounds, &given, before, filled, map);
@@ -318,7 +349,40 @@ impl SemiGlobalMatching {
         }
     }
 
-    /// The median of 5 x 5 pixels of the left view, which is there in fixed point, for a box of the
+    /// Spreads the left view, which is there in fixed point, its reasons and its confidence over all rows.
+    fn answer(
+        &mut self,
+        search: Search<'_>,
+        judged: bool,
+        confidence: &mut Plane<f32>,
+        map: &mut DisparityMap,
+    ) -> Work {
+        let Search { level, grey, work, rows, width, numbers, .. } = search;
+        let (columns, lines) = (work.x0..work.x1 + 1, work.y0..work.y1 + 1);
+        let reasons = &self.left.map.reasons;
+        let of_rows = confidence.samples_mut().par_chunks_exact_mut(width).enumerate();
+        of_rows.for_each(|(y, confidence)| {
+            trust(level, judged, reasons.row(y), &mut confidence[columns.clone()]);
+        });
+        let matched = Matched {
+            steps: self.left.steps.view(),
+            reasons: reasons.view(),
+            confidence: confidence.view().part(columns.clone(), 0..rows.count),
+        };
+        let all = All {
+            steps: &mut self.steps,
+            reasons: &mut map.reasons,
+            confidence: &mut map.confidence,
+            first: work.x0,
+            top: work.y0,
+        };
+        let (grey, same) = (grey[0].part(columns, lines), numbers.steps(ONE_SURFACE));
+        // Confidence is read and written for what becomes of it by the reasons.
+        let trusted = Work::bytes((2 * 4 + 1) * work.columns() * rows.count);
+        trusted + rows_between::spread(level, rows.apart, same, grey, matched, all)
+    }
+
+    /// The median of 5 x 5 pixels of the left view, of which all rows are there in fixed point, for a box of the
     /// image.
     fn smooth(&mut self, search: Search<'_>, bounds: BoundingBox, values: &mut Plane<f32>) -> Work {
         let Search { ingredients, level, work, numbers, .. } = search;
@@ -326,7 +390,7 @@ impl SemiGlobalMatching {
         let width = values.columns();
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
         self.medians.resize_with(bounds.rows().div_ceil(height), Vec::new);
-        let steps = &self.left.steps;
+        let steps = &self.steps;
         let rows = &mut values.samples_mut()[bounds.y0 * width..(bounds.y1 + 1) * width];
         let bands = self.medians.par_iter_mut().zip(rows.par_chunks_mut(height * width));
         bands.enumerate().for_each(|(i, (medians, rows))| {
@@ -349,7 +413,8 @@ impl SemiGlobalMatching {
 
 impl SemiGlobalMatching {
     fn needs(&self, frame: &Frame<'_>, work: BoundingBox, space: &SearchSpace) -> Needs {
-        Needs::new(frame, work, space, self.ingredients, self.choices.jury())
+        let rows = MatchedRows::of(work, self.parameters.apart);
+        Needs::new(frame, work, rows, space, self.ingredients, self.choices.jury())
     }
 }
 
@@ -373,7 +438,8 @@ impl Pipeline for SemiGlobalMatching {
         let bounds = frame.bounds;
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
-        let (columns, rows) = (work.columns(), work.rows());
+        let rows = MatchedRows::of(work, self.parameters.apart);
+        let columns = work.columns();
         let space = SearchSpace::new(width, work, frame.range);
         let bands = self.needs(frame, work, &space).bands(self.memory);
         // Borrowed while the stages run.
@@ -396,13 +462,14 @@ impl Pipeline for SemiGlobalMatching {
             (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
             made_grey = made_grey + aligned.done;
         }
-        let (penalties, looked) = penalties(ingredients, grey[0]);
+        let (penalties, looked) = penalties(ingredients, self.parameters.penalties, grey[0]);
         profile.end("grey, vertical alignment, noise", made_grey + looked);
         let search = Search {
             ingredients,
             level,
             grey,
             work,
+            rows,
             bands,
             width,
             range,
@@ -411,8 +478,11 @@ impl Pipeline for SemiGlobalMatching {
         };
         // The answer's disparities come last: until then the right view has their memory.
         self.right.map.values = std::mem::take(&mut map.values);
-        self.left.begin(work.x0, columns, rows);
-        self.right.begin(0, width, rows);
+        self.left.begin(work.x0, columns, rows.count);
+        self.right.begin(0, width, rows.count);
+        let mut sure = std::mem::take(&mut self.confidence);
+        sure.reshape(width, rows.count, 0.0);
+        let confidence = sure.samples_mut();
         let chooses = space.count > 0 && ingredients.has(Ingredient::LearnedChoice);
         if space.count > 0 {
             // Flat grey has no gradient.
@@ -421,14 +491,13 @@ impl Pipeline for SemiGlobalMatching {
                 false => Some(Plane::filled(width, height, 0)),
             };
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().map_or(grey[i], Plane::view)));
-            let features = self.features.compute(level, seen, &space, (work.y0, rows));
+            let features = self.features.compute(level, seen, &space, rows);
             profile.end("census and gradient", features);
             if ingredients.has(Ingredient::Descriptors) {
-                self.doubtful.reset(columns, rows, false);
+                self.doubtful.reset(columns, rows.count, false);
                 let described = self.features.describe(level, views, &space, work.y0);
                 profile.end("descriptors", described);
             }
-            let confidence = &mut map.confidence.samples_mut()[work.y0 * width..];
             profile.end(PATHS, self.optimize(&space, search, confidence, false));
             if ingredients.has(Ingredient::SurfacePrior) {
                 self.follow_surfaces(&space, search, confidence, profile);
@@ -442,8 +511,8 @@ impl Pipeline for SemiGlobalMatching {
             self.check(search, chooses && ingredients.has(Ingredient::RightChoices), profile);
         } else {
             self.left.map.values.samples_mut().fill(f32::NAN);
-            self.left.map.reasons.reset(columns, rows, Reason::OccludedHole);
-            map.confidence.samples_mut().fill(0.0);
+            self.left.map.reasons.reset(columns, rows.count, Reason::OccludedHole);
+            confidence.fill(0.0);
         }
         let filled = match chooses {
             true => &mut self.left.filled,
@@ -456,7 +525,6 @@ impl Pipeline for SemiGlobalMatching {
         }
         profile.end(FILL, done);
         if chooses {
-            let confidence = &mut map.confidence.samples_mut()[work.y0 * width..][..rows * width];
             self.choose(search, confidence, profile);
         }
         let filled = if chooses { &self.left.filled } else { &self.right.map.values };
@@ -465,6 +533,10 @@ impl Pipeline for SemiGlobalMatching {
         let nowhere = filled.row(0)[0];
         map.values = std::mem::take(&mut self.right.map.values);
         map.values.reshape(width, height, nowhere);
+        let judged = chooses && ingredients.has(Ingredient::PathMargin);
+        let answered = self.answer(search, judged, &mut sure, map);
+        self.confidence = sure;
+        profile.end("answer", stepped + answered);
         let medians = match space.count {
             0 => {
                 map.values.samples_mut().fill(nowhere);
@@ -472,24 +544,10 @@ impl Pipeline for SemiGlobalMatching {
             }
             _ => self.smooth(search, bounds, &mut map.values),
         };
-        profile.end("median", stepped + medians);
+        profile.end("median", medians);
         map.values.fill_around(bounds, f32::NAN);
+        map.reasons.fill_around(bounds, Reason::OutsideBox);
         map.confidence.fill_around(bounds, 0.0);
-
-        let judged = chooses && ingredients.has(Ingredient::PathMargin);
-        let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
-        let answered = bounds.y0 * width..(bounds.y1 + 1) * width;
-        let reasons = map.reasons.samples_mut()[answered.clone()].par_chunks_exact_mut(width);
-        let confidence = map.confidence.samples_mut()[answered].par_chunks_exact_mut(width);
-        let known = &self.left.map.reasons;
-        reasons.zip(confidence).enumerate().for_each(|(y, (reasons, confidence))| {
-            let reasons = &mut reasons[bounds.x0..=bounds.x1];
-            reasons.copy_from_slice(&known.row(dy + y)[dx..dx + bounds.columns()]);
-            trust(level, judged, reasons, &mut confidence[bounds.x0..=bounds.x1]);
-        });
-        // Reasons are read and written; what becomes of the confidence depends on them.
-        let reasons = Work::bytes(2 * size_of::<Reason>());
-        profile.end("answer", reasons * (bounds.columns() * bounds.rows()));
         (self.buffers, self.alignment) = (buffers, alignment);
         Ok(())
     }
@@ -523,16 +581,17 @@ mod tests {
             let mut chance = Chance(2);
             let grey =
                 Plane::from_fn(90, 60, |x, _| (90.0 + x as f32 + most * chance.share()) as u8);
-            penalties(Ingredients::of(Preset::Balanced, &[]), grey.view()).0
+            penalties(Ingredients::of(Preset::Balanced, &[]), BALANCED.penalties, grey.view()).0
         };
-        assert_eq!(with_noise(0.0), PENALTIES);
+        assert_eq!(with_noise(0.0), BALANCED.penalties);
         // A deviation of 3: what texture is taken for.
-        assert_eq!(with_noise(10.0), PENALTIES);
+        assert_eq!(with_noise(10.0), BALANCED.penalties);
         // One of 17.
         let noisy = with_noise(60.0);
         assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
-        assert_eq!(Penalties { noise: 0, ..noisy }, PENALTIES);
+        assert_eq!(Penalties { noise: 0, ..noisy }, BALANCED.penalties);
         let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
-        assert_eq!(penalties(without, Plane::filled(90, 60, 7).view()).0.fall, 0);
+        let flat = Plane::filled(90, 60, 7);
+        assert_eq!(penalties(without, BALANCED.penalties, flat.view()).0.fall, 0);
     }
 }

@@ -4,6 +4,7 @@
 use raster::{BoundingBox, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
+use crate::cost::MatchedRows;
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::optimization::bands::Bands;
@@ -13,7 +14,7 @@ use crate::refinement::groups::Groups;
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_steps};
 
-/// Smaller groups of equal disparity are speckles.
+/// Smaller groups of equal disparity are speckles: so many pixels of the image.
 const LEAST_GROUP: usize = 60;
 /// Neighbours of one group differ by at most this.
 const GROUP_STEP: f32 = 1.0;
@@ -27,6 +28,8 @@ pub(super) struct Search<'a> {
     pub grey: [raster::View<'a, u8>; 2],
     /// The part of the left image that is matched.
     pub work: BoundingBox,
+    /// Those of its rows that are.
+    pub rows: MatchedRows,
     pub bands: Bands,
     /// Columns of both images.
     pub width: usize,
@@ -55,6 +58,7 @@ impl View {
     /// Takes out what the other view does not confirm, and small groups.
     pub fn check(&mut self, search: Search<'_>, other: &Plane<f32>, other_first: usize) -> Work {
         let Search { ingredients, level, numbers, width, .. } = search;
+        let least = LEAST_GROUP / search.rows.apart;
         let checked = if ingredients.has(Ingredient::LeftRightCheck) {
             cross_check(level, width, &mut self.map, other, other_first)
         } else {
@@ -73,7 +77,7 @@ impl View {
         let rows = values.samples_mut().par_chunks_exact_mut(columns);
         let rows = rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();
         rows.for_each(|(y, (values, reasons))| {
-            let speckles = groups.runs(y).filter(|(_, size)| *size < LEAST_GROUP);
+            let speckles = groups.runs(y).filter(|(_, size)| *size < least);
             for (run, _) in speckles {
                 values[run.clone()].fill(f32::NAN);
                 reasons[run].fill(Reason::MismatchedHole);

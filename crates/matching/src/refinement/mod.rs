@@ -6,3 +6,4 @@ pub(crate) mod median;
 pub(crate) mod plane_fill;
 pub(crate) mod plane_fit;
 pub(crate) mod row_fill;
+pub(crate) mod rows_between;

@@ -1,5 +1,5 @@
-//! Pixels between those that were asked: where only every second one of every second row is, the others
-//! follow the neighbour that they are most like.
+//! Columns between those that were asked: where only every second one is, the others follow the neighbour that
+//! they are most like.
 
 use raster::Plane;
 use rayon::prelude::*;
@@ -8,6 +8,8 @@ use super::block::Given;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
+/// Every so many-th pixel of every so many-th row of the image was asked.
+const EVERY: usize = 2;
 /// A pixel follows a neighbour that had its disparity, within so many pixels, and took another.
 const SAME: f32 = 1.0;
 /// How far neighbours are alike: so many grey values count as much as a pixel of disparity, and more
@@ -15,17 +17,8 @@ const SAME: f32 = 1.0;
 const GREY: f32 = 20.0;
 const FAR: f32 = 2.0;
 
-/// A row: its disparities before, its grey values, its disparities now and how sure they are.
-#[derive(Clone, Copy)]
-struct Row<'a> {
-    before: &'a [f32],
-    grey: &'a [u8],
-    now: &'a [f32],
-    certainty: &'a [u8],
-}
-
-/// Lets the pixels of a map, which had the disparities `values`, follow those that were asked, in `out` and
-/// in `certainty`.
+/// Lets the pixels of a map, which had the disparities `values`, follow those of their row that were asked, in
+/// `out` and in `certainty`.
 pub(super) fn follow(
     level: Level,
     given: &Given<'_>,
@@ -35,57 +28,14 @@ pub(super) fn follow(
     out: &mut Plane<f32>,
 ) -> Work {
     let (columns, rows) = values.size();
-    let grey = |y: usize| &given.grey[0].row(given.top + y)[given.first..given.first + columns];
-    let before = |y: usize| (values.row(y), grey(y));
-    // Bands of whole pairs of rows: one that was asked, one between it and the next.
-    let height = rows.div_ceil(rayon::current_num_threads()).next_multiple_of(2);
-    let bands = out.samples_mut().par_chunks_mut(height * columns);
-    let bands = bands.zip(certainty.samples_mut().par_chunks_mut(height * columns)).enumerate();
-    bands.for_each(|(i, (out, certainty))| {
-        let first = i * height;
-        let here = out.len() / columns;
-        for y in (0..here).step_by(2) {
-            let row = y * columns..(y + 1) * columns;
-            let asked = (asked.0.row((first + y) / 2), asked.1.row((first + y) / 2));
-            along_row(level, before(first + y), asked, &mut out[row.clone()], &mut certainty[row]);
-        }
-        // The last row of a band may need the first one of the next.
-        let end = if first + here < rows { here - 1 } else { here };
-        for y in (1..end).step_by(2) {
-            between_rows(level, columns, y, |v| before(first + v), out, certainty);
-        }
+    let out = out.samples_mut().par_chunks_mut(columns);
+    let out = out.zip(certainty.samples_mut().par_chunks_mut(columns)).enumerate();
+    out.for_each(|(y, (out, certainty))| {
+        let grey = given.grey[0].row(given.top + EVERY * y);
+        let before = (values.row(y), &grey[given.first..given.first + columns]);
+        along_row(level, before, (asked.0.row(y), asked.1.row(y)), out, certainty);
     });
-    for y in (height - 1..rows - 1).step_by(height) {
-        between_rows(level, columns, y, before, out.samples_mut(), certainty.samples_mut());
-    }
     Work::bytes((2 * 4 + 1) * columns * rows)
-}
-
-/// Lets row `y` of a band follow the rows around it, of which all pixels know. `before` gives the disparities
-/// of a row before, and its grey values.
-fn between_rows<'a>(
-    level: Level,
-    columns: usize,
-    y: usize,
-    before: impl Fn(usize) -> (&'a [f32], &'a [u8]),
-    out: &mut [f32],
-    certainty: &mut [u8],
-) {
-    let (above, rest) = out.split_at_mut(y * columns);
-    let (out, below) = rest.split_at_mut(columns);
-    let (above_sure, rest) = certainty.split_at_mut(y * columns);
-    let (sure, below_sure) = rest.split_at_mut(columns);
-    let last = (y - 1) * columns;
-    let (old, grey) = before(y - 1);
-    let above = Row { before: old, grey, now: &above[last..], certainty: &above_sure[last..] };
-    let below = match below.is_empty() {
-        true => above,
-        false => {
-            let (old, grey) = before(y + 1);
-            Row { before: old, grey, now: &below[..columns], certainty: &below_sure[..columns] }
-        }
-    };
-    between_two(level, [above, below], before(y), out, sure);
 }
 
 /// What a pixel follows: a neighbour's disparity before and now, its grey value and certainty.
@@ -113,15 +63,6 @@ fn unlike(neighbour: Neighbour, before: f32, grey: u8) -> f32 {
 /// Pixels that are worked on together, as copies: the compiler then knows that nothing overlaps.
 const GROUP: usize = 64;
 
-/// Columns `at..at + GROUP` of a row, of which the last is repeated.
-#[inline(always)]
-fn group<T: Copy>(row: &[T], at: usize) -> [T; GROUP] {
-    match row[at..].first_chunk() {
-        Some(group) => *group,
-        None => std::array::from_fn(|i| row[(at + i).min(row.len() - 1)]),
-    }
-}
-
 /// Every second column from `at` on, and those two further on.
 #[inline(always)]
 fn pairs<T: Copy>(row: &[T], at: usize) -> [[T; GROUP / 2]; 2] {
@@ -143,16 +84,10 @@ fn betweens<T: Copy>(row: &[T], at: usize) -> [T; GROUP / 2] {
     std::array::from_fn(|i| row[1 + 2 * i])
 }
 
-/// Puts back what there is of it.
+/// Puts a whole group into a row.
 #[inline(always)]
 fn put<T: Copy>(group: &[T; GROUP], row: &mut [T], at: usize) {
-    match row[at..].first_chunk_mut() {
-        Some(place) => *place = *group,
-        None => {
-            let rest = &mut row[at..];
-            rest.copy_from_slice(&group[..rest.len()]);
-        }
-    }
+    *row[at..].first_chunk_mut().expect("there is a whole group") = *group;
 }
 
 at_every_level! {
@@ -190,38 +125,12 @@ at_every_level! {
             };
         }
     }
-
-    /// All pixels of a row between two.
-    fn between_two(
-        rows: [Row<'_>; 2],
-        was: (&[f32], &[u8]),
-        out: &mut [f32],
-        certainty: &mut [u8],
-    ) {
-        let (before, grey) = was;
-        for at in (0..out.len()).step_by(GROUP) {
-            let [above, below] = rows;
-            let old = [above.before, below.before, before].map(|row| group(row, at));
-            let new = [above.now, below.now].map(|row| group(row, at));
-            let shade = [above.grey, below.grey, grey].map(|row| group(row, at));
-            let sure = [above.certainty, below.certainty].map(|row| group(row, at));
-            let (mut found, mut told) = ([0.0; GROUP], [0; GROUP]);
-            for i in 0..GROUP {
-                let one = (old[0][i], new[0][i], shade[0][i], sure[0][i]);
-                let other = (old[1][i], new[1][i], shade[1][i], sure[1][i]);
-                (found[i], told[i]) = between([one, other], old[2][i], shade[2][i]);
-            }
-            put(&found, out, at);
-            put(&told, certainty, at);
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chance::Chance;
-    use crate::refinement::choice::sparse::asked;
 
     /// Two images of one map, of which the left one counts.
     fn follow_all(
@@ -250,9 +159,9 @@ mod tests {
         // Three grown columns of a board at 9 before a wall at 4. The judge takes back the even one, 4;
         // 3 is the wall's by its grey, 5 is wall already.
         let values = Plane::from_fn(8, 3, |x, _| if x < 5 { 9.0 } else { 4.0 });
-        let grey = Plane::from_fn(8, 3, |x, _| if x < 3 { 200 } else { 90 });
-        let asked = Plane::from_fn(4, 2, |x, _| if x < 2 { 9.0 } else { 4.0 });
-        let sure = Plane::from_fn(4, 2, |x, _| if x == 2 { 90 } else { 200 });
+        let grey = Plane::from_fn(8, 5, |x, _| if x < 3 { 200 } else { 90 });
+        let asked = Plane::from_fn(4, 3, |x, _| if x < 2 { 9.0 } else { 4.0 });
+        let sure = Plane::from_fn(4, 3, |x, _| if x == 2 { 90 } else { 200 });
         for level in Level::available() {
             eprintln!("level {}", level.name());
             let (out, certainty) = follow_all(level, &grey, &values, (&asked, &sure));
@@ -265,21 +174,19 @@ mod tests {
 
     #[test]
     fn every_level_and_number_of_threads_follows_alike_and_leaves_those_that_were_asked() {
-        for (columns, rows) in [(1, 1), (2, 5), (37, 6), (100, 9)] {
+        for (columns, rows) in [(1, 1), (2, 5), (37, 6), (100usize, 9)] {
             let mut chance = Chance(columns as u32);
-            let of_asked = asked(2, (columns, rows));
+            let of_asked = (columns.div_ceil(2), rows);
             let mut noise = |(columns, rows), most: f32| {
                 Plane::from_fn(columns, rows, |_, _| most * chance.share())
             };
             let [values, asked] = [noise((columns, rows), 4.0), noise(of_asked, 4.0)];
-            let [grey, sure] = [noise((columns, rows), 255.0), noise(of_asked, 255.0)]
+            let [grey, sure] = [noise((columns, 2 * rows), 255.0), noise(of_asked, 255.0)]
                 .map(|noise| noise.map(|&n| n as u8));
             let expected = follow_all(Level::available()[0], &grey, &values, (&asked, &sure));
-            for (y, x) in
-                (0..rows).step_by(2).flat_map(|y| (0..columns).step_by(2).map(move |x| (y, x)))
-            {
-                assert_eq!(expected.0.row(y)[x], asked.row(y / 2)[x / 2]);
-                assert_eq!(expected.1.row(y)[x], sure.row(y / 2)[x / 2]);
+            for (y, x) in (0..rows).flat_map(|y| (0..columns).step_by(2).map(move |x| (y, x))) {
+                assert_eq!(expected.0.row(y)[x], asked.row(y)[x / 2]);
+                assert_eq!(expected.1.row(y)[x], sure.row(y)[x / 2]);
             }
             for level in Level::available() {
                 eprintln!("level {}", level.name());

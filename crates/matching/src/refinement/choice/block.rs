@@ -50,7 +50,7 @@ pub(crate) struct Given<'a> {
     pub doubtful: &'a Plane<bool>,
     /// The upper 8 bits of both images.
     pub grey: [View<'a, u8>; 2],
-    /// The disparities of the right view, in a mirror.
+    /// The disparities of the right view, in a mirror, in the rows of the map.
     pub right: &'a Plane<f32>,
     /// The column and the row of the image at which the map begins.
     pub first: usize,
@@ -93,9 +93,8 @@ impl<'a> Compared<'a> {
         let row = strip.row_of_looks(y);
         base.compute(level, &strip.base, row);
         other.compute(level, &strip.other, row);
-        let every = strip.every();
-        let right = scene.given.right.row(every * y);
-        Self { every, base: base.get(), other: other.get(), right }
+        let right = scene.given.right.row(y);
+        Self { every: strip.every(), base: base.get(), other: other.get(), right }
     }
 }
 

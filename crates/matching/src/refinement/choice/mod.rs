@@ -438,7 +438,9 @@ mod tests {
         all.certainty = all.values.map(|_| chance.bits(8) as u8);
         all.doubtful = all.values.map(|_| chance.bits(1) > 0);
         let mut some = World::new(second(&all.values));
-        (some.grey, some.right) = (all.grey.clone(), all.right.clone());
+        some.grey = all.grey.clone();
+        some.right =
+            Plane::from_fn(all.right.columns(), some.values.rows(), |x, y| all.right.row(2 * y)[x]);
         some.reasons = second(&all.reasons);
         some.certainty = second(&all.certainty);
         some.doubtful = second(&all.doubtful);

@@ -9,7 +9,7 @@ use super::jury::Jury;
 use super::lesson::Lesson;
 use super::moved::Moved;
 use super::reach::Reach;
-use super::sparse::{Sparse, asked};
+use super::sparse::Sparse;
 use super::strip::Strip;
 use super::{Worker, choose};
 use crate::kernels::level::{Level, at_every_level};
@@ -47,14 +47,14 @@ pub(super) struct Map<'a> {
 }
 
 impl Choices {
-    /// What they take for a map of so many columns and rows, in images of a width.
-    pub fn bytes(jury: &Jury, size: (usize, usize), width: usize) -> usize {
+    /// What they take for a map of so many columns and matched rows, in images of a width.
+    pub fn bytes(jury: &Jury, (all, rows): (usize, usize), width: usize) -> usize {
         let every = jury.reach.every;
-        let (columns, rows) = asked(every, size);
+        let columns = all.div_ceil(every);
         let pixels = columns * rows;
         let maps = 2 * size_of::<u8>() * pixels + Moved::bytes(pixels);
         let workers = rayon::current_num_threads() * Worker::bytes(columns, width);
-        let sparse = if every > 1 { Sparse::bytes(pixels, size) } else { 0 };
+        let sparse = if every > 1 { Sparse::bytes(pixels, all * rows) } else { 0 };
         maps + Strip::bytes(columns, rows, width, jury.reach) + workers + sparse
     }
 
@@ -92,7 +92,8 @@ impl Choices {
     }
 
     /// Lets the pixels of `values`, a map without holes, choose, in so many rounds if the jury has as many.
-    /// The reasons of `map` are theirs; its disparities are overwritten.
+    /// The reasons of `map` are theirs; its disparities are overwritten. Where only every so many-th pixel is
+    /// asked, the rows of the map stand as far apart in the image.
     pub fn run(
         &mut self,
         level: Level,
@@ -203,13 +204,13 @@ fn smooth(level: Level, reach: &Reach, values: &mut Plane<f32>, other: &mut Plan
     done
 }
 
-/// Keeps in bytes how sure the paths are of every so many-th pixel of every so many-th row.
+/// Keeps in bytes how sure the paths are of every so many-th pixel of the rows.
 fn keep(every: usize, confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> Work {
-    let (columns, rows) = asked(every, (confidence.columns(), confidence.rows()));
-    certainty.reshape(columns, rows, 0);
+    let columns = confidence.columns().div_ceil(every);
+    certainty.reshape(columns, confidence.rows(), 0);
     let lines = certainty.samples_mut().par_chunks_mut(columns).enumerate();
     lines.for_each(|(y, certainty)| {
-        let shares = confidence.row(every * y).iter().step_by(every);
+        let shares = confidence.row(y).iter().step_by(every);
         for (byte, &share) in certainty.iter_mut().zip(shares) {
             *byte = certainty::byte(share);
         }

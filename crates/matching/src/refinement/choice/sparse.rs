@@ -1,4 +1,4 @@
-//! Where only every so many-th pixel of every so many-th row is asked, these are all that rounds look at.
+//! Where only every so many-th pixel of the matched rows is asked, these are all that rounds look at.
 
 use raster::{Plane, Reason, View};
 use rayon::prelude::*;
@@ -9,24 +9,18 @@ use super::rounds::Map;
 use crate::kernels::level::Level;
 use crate::profile::Work;
 
-/// How many of so many there are.
-pub(super) fn asked(every: usize, (columns, rows): (usize, usize)) -> (usize, usize) {
-    (columns.div_ceil(every), rows.div_ceil(every))
-}
-
-/// Takes every so many-th sample of every so many-th row, so many columns and rows of them, from a column
-/// and a row on.
+/// Takes every so many-th sample of the first rows of a view from a column on: so many columns and rows.
 pub(super) fn take_every<T: Copy + Default + Send + Sync>(
     every: usize,
     from: View<'_, T>,
-    (first, top): (usize, usize),
+    first: usize,
     (columns, rows): (usize, usize),
     out: &mut Plane<T>,
 ) -> Work {
     out.reshape(columns, rows, T::default());
     let lines = out.samples_mut().par_chunks_mut(columns).enumerate();
     lines.for_each(|(y, out)| {
-        let row = &from.row(top + every * y)[first..];
+        let row = &from.row(y)[first..];
         match every {
             // In one go.
             1 => out.copy_from_slice(&row[..columns]),
@@ -42,7 +36,7 @@ pub(super) fn take_every<T: Copy + Default + Send + Sync>(
     Work::bytes(2 * size_of_val(out.samples()))
 }
 
-/// Every so many-th pixel of every so many-th row of a map, and what it says of all of them at the end.
+/// Every so many-th pixel of the rows of a map, and what it says of all of them at the end.
 #[derive(Default)]
 pub(super) struct Sparse {
     values: Plane<f32>,
@@ -53,17 +47,17 @@ pub(super) struct Sparse {
 }
 
 impl Sparse {
-    /// What it takes where so many pixels are asked of a map of so many columns and rows.
-    pub fn bytes(asked: usize, (columns, rows): (usize, usize)) -> usize {
+    /// What it takes where so many pixels are asked of a map of so many.
+    pub fn bytes(asked: usize, pixels: usize) -> usize {
         let pixel = 2 * size_of::<f32>() + size_of::<Reason>();
-        pixel * asked + size_of::<u8>() * columns * rows
+        pixel * asked + size_of::<u8>() * pixels
     }
 
     /// Takes the pixels that are asked.
     pub fn take(&mut self, every: usize, values: &Plane<f32>, reasons: &Plane<Reason>) -> Work {
-        let size = asked(every, values.size());
-        take_every(every, values.view(), (0, 0), size, &mut self.values)
-            + take_every(every, reasons.view(), (0, 0), size, &mut self.reasons)
+        let size = (values.columns().div_ceil(every), values.rows());
+        take_every(every, values.view(), 0, size, &mut self.values)
+            + take_every(every, reasons.view(), 0, size, &mut self.reasons)
     }
 
     /// The map of the pixels that are asked.
@@ -98,21 +92,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_part_of_an_image_is_taken_from_its_first_pixel_on() {
+    fn samples_are_taken_from_a_column_on() {
         let image = Plane::from_fn(9, 6, |x, y| (10 * y + x) as u8);
         let mut out = Plane::default();
-        take_every(2, image.view(), (2, 1), asked(2, (7, 5)), &mut out);
-        assert_eq!(out.size(), (4, 3));
-        assert_eq!(out.samples(), [12, 14, 16, 18, 32, 34, 36, 38, 52, 54, 56, 58]);
-        take_every(1, image.view(), (7, 4), (2, 2), &mut out);
-        assert_eq!(out.samples(), [47, 48, 57, 58]);
+        take_every(2, image.view(), 2, (4, 2), &mut out);
+        assert_eq!(out.size(), (4, 2));
+        assert_eq!(out.samples(), [2, 4, 6, 8, 12, 14, 16, 18]);
+        take_every(1, image.view(), 7, (2, 2), &mut out);
+        assert_eq!(out.samples(), [7, 8, 17, 18]);
     }
 
     #[test]
     fn where_nobody_chose_the_map_stays() {
         for (columns, rows) in [(1, 1), (2, 3), (71, 8), (130, 5)] {
             let values = Plane::from_fn(columns, rows, |x, y| (x * x % 17 + y) as f32);
-            let grey = values.map(|&value| 5 * value as u8);
+            // Every second row of the image is matched.
+            let grey = Plane::from_fn(columns, 2 * rows, |x, y| 5 * values.row(y / 2)[x] as u8);
             let reasons = values.map(|_| Reason::Matched);
             let given = Given {
                 doubtful: &Plane::default(),

@@ -84,8 +84,8 @@ impl Strip {
         let [base, other] = given.grey;
         let top = given.top + self.every * self.top;
         let lines = (self.every * height).min(base.rows() - top);
-        let from = (given.first, top);
-        take_every(self.every, base, from, (columns, height), &mut self.grey)
+        let asked = base.part(0..base.columns(), top..base.rows()).every_row(self.every);
+        take_every(self.every, asked, given.first, (columns, height), &mut self.grey)
             + self.base.compute(level, base, top, lines)
             + self.other.compute(level, other, top, lines)
             + self.edges.compute(level, &self.grey)
