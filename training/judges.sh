@@ -57,10 +57,19 @@ wait $balanced
 rm $lessons/all
 cp $lessons/balanced.bin $weights/balanced.bin
 choices balanced $lessons/left "$@"
-for seed in 1 2
+# Two at a time; each begins anew.
+later() {
+    : > $lessons/later$1.bin
+    learn balanced $lessons/later$1.bin --seed "$1" $lessons/left
+}
+for seed in 1 3
 do
-    learn balanced $lessons/balanced.bin --seed $seed $lessons/left
+    later $seed &
+    one=$!
+    later $((seed + 1))
+    wait $one
 done
+cat $lessons/later?.bin >> $lessons/balanced.bin
 rm $lessons/left
 
 learn best $lessons/1.bin $lessons/1 &

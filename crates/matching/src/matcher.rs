@@ -202,7 +202,7 @@ pub(crate) mod tests {
     fn profile(preset: Preset, memory: Option<usize>) -> Vec<Stage> {
         let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
         let images = [0, 20]
-            .map(|shift| Image::Grey8(Plane::from_fn(90, 50, |x, y| scramble(x + shift, y))));
+            .map(|shift| Image::Grey8(Plane::from_fn(90, 100, |x, y| scramble(x + shift, y))));
         let mut options = Options::new(preset, DisparityRange::new(0, 31).unwrap());
         (options.threads, options.memory) = (1, memory);
         let mut matcher = Matcher::new(options).unwrap();
@@ -280,7 +280,7 @@ pub(crate) mod tests {
                 stage.expect("balanced has it").operations
             })
         };
-        let ([whole, features], [bands, same]) = (operations(None), operations(Some(620_000)));
+        let ([whole, features], [bands, same]) = (operations(None), operations(Some(760_000)));
         assert!(whole < bands && bands < 2 * whole, "{whole}, {bands}");
         assert_eq!(features, same);
     }

@@ -43,7 +43,7 @@ struct Parameters {
 
 const BALANCED: Parameters = Parameters {
     apart: 2,
-    penalties: Penalties { p1: 10, p2: 50, p2_least: 14, fall: 96, noise: 0 },
+    penalties: Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 },
 };
 const BEST: Parameters = Parameters {
     apart: 1,
@@ -62,7 +62,7 @@ const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
 const SURE: f32 = 0.4;
 /// Between two matched rows that differ by no more, in pixels, a pixel lies halfway.
-const ONE_SURFACE: f32 = 1.0;
+const ONE_SURFACE: f32 = 2.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
 

@@ -94,14 +94,21 @@ at_every_level! {
             confidence: &row.confidence[..n],
         });
         let (reasons, confidence) = (&mut reasons[..n], &mut confidence[..n]);
+        // Whether it is more like the pixel below. One loop per width of number, so that each fills its vectors.
+        let nearer = |x: usize| own[x].abs_diff(shade_below[x]) < own[x].abs_diff(shade_above[x]);
         for x in 0..n {
-            let nearer = own[x].abs_diff(shade_below[x]) < own[x].abs_diff(shade_above[x]);
             let (one, other) = (above.steps[x], below.steps[x]);
             let halfway = (one & other) + ((one ^ other) >> 1);
-            let taken = if nearer { other } else { one };
+            let taken = if nearer(x) { other } else { one };
             steps[x] = if one.abs_diff(other) <= same { halfway } else { taken };
-            reasons[x] = if nearer { below.reasons[x] } else { above.reasons[x] };
-            confidence[x] = if nearer { below.confidence[x] } else { above.confidence[x] };
+        }
+        for x in 0..n {
+            let (one, other) = (above.reasons[x], below.reasons[x]);
+            reasons[x] = if nearer(x) { other } else { one };
+        }
+        for x in 0..n {
+            let (one, other) = (above.confidence[x], below.confidence[x]);
+            confidence[x] = if nearer(x) { other } else { one };
         }
     }
 }

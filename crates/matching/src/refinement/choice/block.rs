@@ -2,7 +2,8 @@
 //!
 //! Candidates are the planes of a pixel itself and of others around it, continued to where it lies.
 //! Neighbours of one row are looked at together: what they look at lies side by side too. Those that
-//! have a choice are then worked on together. Where not all pixels are asked, maps hold those that are.
+//! have a choice are then worked on together, from a few rows. Where not all pixels are asked, maps hold those
+//! that are.
 
 use raster::{Plane, Reason, View};
 
@@ -70,9 +71,11 @@ pub(crate) struct Scene<'a> {
     pub given: &'a Given<'a>,
 }
 
-/// A row of both images that pixels are compared with.
+/// A few rows of both images, one after the other, that pixels are compared with.
 #[derive(Clone, Copy)]
 pub(super) struct Compared<'a> {
+    /// Columns in each.
+    width: usize,
     /// A column of the map is every so many-th one of these.
     every: usize,
     pub base: &'a [Window],
@@ -82,19 +85,24 @@ pub(super) struct Compared<'a> {
 }
 
 impl<'a> Compared<'a> {
-    /// Row `y`, with the windows of either image.
-    pub fn row(
+    /// So many rows of the map from `first` on, with the windows of either image. Only those that are `wanted`,
+    /// counted from there, are looked at.
+    pub fn rows(
         level: Level,
         scene: &Scene<'a>,
         [base, other]: &'a mut [Windows; 2],
-        y: usize,
+        (first, rows): (usize, usize),
+        wanted: impl Fn(usize) -> bool,
     ) -> Self {
         let strip = scene.strip;
-        let row = strip.row_of_looks(y);
-        base.compute(level, &strip.base, row);
-        other.compute(level, &strip.other, row);
-        let right = scene.given.right.row(y);
-        Self { every: strip.every(), base: base.get(), other: other.get(), right }
+        for place in (0..rows).filter(|&row| wanted(row)) {
+            let row = strip.row_of_looks(first + place);
+            base.compute(level, &strip.base, row, place);
+            other.compute(level, &strip.other, row, place);
+        }
+        let width = scene.given.right.columns();
+        let right = &scene.given.right.samples()[first * width..][..rows * width];
+        Self { width, every: strip.every(), base: base.get(), other: other.get(), right }
     }
 }
 
@@ -131,10 +139,12 @@ pub(super) struct Block {
     outside: [Lanes; MOST],
     /// How many of the pixels are of interest.
     count: usize,
-    /// Where the pixels lie in the map.
+    /// Where the pixels lie in the map: columns, and rows counted from the first of those that are worked on.
     pub columns: [usize; LANES],
-    /// And in the image.
+    pub rows: [usize; LANES],
+    /// Their columns in the image, and where the rows begin that they are compared with.
     image_columns: [i32; LANES],
+    begins: [usize; LANES],
     /// Whether there is a choice.
     pub open: [bool; LANES],
     y: usize,
@@ -164,18 +174,20 @@ impl Block {
         self.places.len()
     }
 
-    /// Finds the candidates of pixels from `(x, y)` on; says whether any that is marked has a choice.
+    /// Finds the candidates of pixels from `(x, y)` on, in a row counted from the first of some; says whether any
+    /// that is marked has a choice.
     #[inline(always)]
     pub fn find(
         &mut self,
         scene: &Scene<'_>,
         reach: &Reach,
         marked: [bool; LANES],
-        x: usize,
-        y: usize,
+        (x, y): (usize, usize),
+        row: usize,
     ) -> bool {
         (self.y, self.places) = (y, reach.places);
         self.open = [false; LANES];
+        self.rows = [row; LANES];
         for l in 0..LANES {
             self.columns[l] = x + l;
         }
@@ -215,7 +227,7 @@ impl Block {
                 for l in 0..LANES {
                     undecided[l] =
                         !notes[l].is_settled() | (largest[l] - smallest[l] > reach.settled);
-                    any |= undecided[l];
+                    any |= undecided[l] & marked[l];
                 }
                 if !any {
                     return false;
@@ -270,6 +282,7 @@ impl Block {
     pub fn take(&mut self, to: usize, other: &Block, from: usize) {
         self.places = other.places;
         self.columns[to] = other.columns[from];
+        self.rows[to] = other.rows[from];
         self.here[to] = other.here[from];
         self.smallest[to] = other.smallest[from];
         self.largest[to] = other.largest[from];
@@ -297,14 +310,17 @@ impl Block {
         // They may lie beyond the ends of the map.
         for l in count..LANES {
             self.columns[l] = self.columns[0];
+            self.rows[l] = self.rows[0];
         }
-        let mut columns = [0; LANES];
+        let mut at = [0; LANES];
         for l in 0..LANES {
-            columns[l] = given.first + compared.every * self.columns[l];
-            self.image_columns[l] = columns[l] as i32;
+            let column = given.first + compared.every * self.columns[l];
+            self.image_columns[l] = column as i32;
+            self.begins[l] = compared.width * self.rows[l];
+            at[l] = self.begins[l] + column;
         }
         self.count = count;
-        self.windows.take(compared.base, &columns);
+        self.windows.take(compared.base, &at);
         let textures = self.windows.textures();
         for l in 0..LANES {
             self.of_pixel[5][l] = textures[l] * (1.0 / (10 * STEPS) as f32);
@@ -321,15 +337,15 @@ impl Block {
     #[inline(always)]
     fn meet(&mut self, compared: &Compared<'_>, k: usize) {
         let disparities = &self.disparities[k];
-        let last = compared.other.len() as i32 - 1;
+        let last = compared.width as i32 - 1;
         let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
         for l in 0..LANES {
             let column = self.image_columns[l] - nearest(disparities[l]);
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped > last { last } else { clamped };
             outside[l] = share(clamped != column);
-            at[l] = clamped as usize;
-            mirrored[l] = (last - clamped) as usize;
+            at[l] = self.begins[l] + clamped as usize;
+            mirrored[l] = self.begins[l] + (last - clamped) as usize;
         }
         self.outside[k] = outside;
         self.met[k].take(compared.other, &at);

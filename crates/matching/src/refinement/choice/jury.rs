@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn each_round_has_a_judge_of_its_own() {
-        for (preset, judges) in [(Preset::Balanced, 3), (Preset::Best, 6)] {
+        for (preset, judges) in [(Preset::Balanced, 5), (Preset::Best, 6)] {
             let found = &Jury::of(preset).judges;
             assert_eq!(found.len(), judges, "{preset}");
             for (i, judge) in found.iter().enumerate() {

@@ -43,7 +43,7 @@ impl Known {
         (x, y): (usize, usize),
     ) -> Option<Self> {
         let mut windows = scene.given.grey.map(|image| Windows::new(image.columns()));
-        let compared = Compared::row(level, scene, &mut windows, y);
+        let compared = Compared::rows(level, scene, &mut windows, (y, 1), |_| true);
         known(level, scene, reach, &compared, (x, y))
     }
 }
@@ -56,7 +56,7 @@ at_every_level! {
         pixel: (usize, usize),
     ) -> Option<Known> {
         let mut block = Block::default();
-        if !block.find(scene, reach, [true; LANES], pixel.0, pixel.1) || !block.open[0] {
+        if !block.find(scene, reach, [true; LANES], pixel, 0) || !block.open[0] {
             return None;
         }
         block.look(scene);
@@ -108,7 +108,7 @@ impl Lesson {
             if !rows.contains(&y) {
                 continue;
             }
-            let compared = Compared::row(level, scene, &mut windows, y);
+            let compared = Compared::rows(level, scene, &mut windows, (y, 1), |_| true);
             for &pixel in row {
                 let known = known(level, scene, reach, &compared, (pixel.column / reach.every, y));
                 self.known.extend(known.map(|known| (pixel, known)));

@@ -39,7 +39,7 @@ use rayon::prelude::*;
 pub(crate) use self::block::Given;
 use self::block::{Block, Compared, LANES, Scene, run};
 use self::certainty::CERTAIN;
-use self::judge::{Judge, Mind, verdict};
+use self::judge::{Judge, Mind, Verdict, verdict};
 pub(crate) use self::jury::Jury;
 pub(crate) use self::lesson::Lesson;
 pub use self::lesson::{Known, Pixel};
@@ -51,13 +51,18 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Products;
 use crate::profile::Work;
 
-/// The memory of what is done row by row.
+/// So many rows are worked on together: pixels with a choice are gathered into full blocks, and the last one of
+/// a row mostly is not full.
+const TOGETHER: usize = 4;
+
+/// The memory of what is done some rows at a time.
 #[derive(Default)]
 pub(crate) struct Worker {
     /// Of the left and of the right image.
     windows: [Windows; 2],
-    /// Which pixels of a row are asked.
+    /// Which pixels of these rows are asked, and how many of their places moved, of one row.
     marks: Vec<bool>,
+    counts: Vec<u8>,
     /// Neighbours, and those of them that a judge is asked about.
     block: Block,
     asked: Block,
@@ -67,20 +72,21 @@ pub(crate) struct Worker {
 impl Worker {
     /// What it takes for a map of so many columns, in images of a width.
     fn bytes(columns: usize, width: usize) -> usize {
-        size_of::<Self>() + 2 * Windows::bytes(width) + columns
+        size_of::<Self>() + 2 * Windows::bytes(width, TOGETHER) + (TOGETHER + 1) * columns
     }
 
     /// Takes it, whether there will be rows to do or not.
     fn reset(&mut self, columns: usize, width: usize) {
-        self.windows.iter_mut().for_each(|windows| windows.reset(width));
+        self.windows.iter_mut().for_each(|windows| windows.reset(width, TOGETHER));
         self.marks.clear();
-        self.marks.resize(columns, true);
+        self.marks.resize(TOGETHER * columns, true);
+        self.counts.resize(columns, 0);
     }
 }
 
 /// Lets the pixels of some rows of `scene` choose, into `out`: all, or those that see where the map `moved`
 /// in the round before. `certainty` says how sure the judge is where there is anything to choose. Each of
-/// the `workers` takes one row after the other until none is left: where a map is wrong there is more to
+/// the `workers` takes a few rows after the others until none are left: where a map is wrong there is more to
 /// choose, so equal parts would not be done at the same time.
 fn choose(
     level: Level,
@@ -94,25 +100,33 @@ fn choose(
 ) -> Work {
     let columns = scene.values.columns();
     let samples = rows.start * columns..rows.end * columns;
-    let certainty = certainty.samples_mut()[samples.clone()].chunks_exact_mut(columns);
-    let lines = out.samples_mut()[samples.clone()].chunks_exact_mut(columns).zip(certainty);
-    let lines = Mutex::new(rows.zip(lines));
-    let next = || lines.lock().expect("no worker fails while it takes a row").next();
-    let chosen = workers.par_iter_mut().map(|Worker { windows, marks, block, asked, mind }| {
+    let certainty = certainty.samples_mut()[samples.clone()].chunks_mut(TOGETHER * columns);
+    let lines = out.samples_mut()[samples.clone()].chunks_mut(TOGETHER * columns).zip(certainty);
+    let lines = Mutex::new(rows.step_by(TOGETHER).zip(lines));
+    let next = || lines.lock().expect("no worker fails while it takes rows").next();
+    let chosen = workers.par_iter_mut().map(|worker| {
+        let Worker { windows, marks, counts, block, asked, mind } = worker;
         let mut chosen = 0;
-        while let Some((y, (out, certainty))) = next() {
-            out.copy_from_slice(scene.values.row(y));
+        while let Some((first, (out, certainty))) = next() {
+            let before = first * columns..first * columns + out.len();
+            out.copy_from_slice(&scene.values.samples()[before.clone()]);
             match moved {
                 None => certainty.fill(CERTAIN),
-                Some(_) => certainty.copy_from_slice(scene.certainty.row(y)),
+                Some(_) => certainty.copy_from_slice(&scene.certainty.samples()[before]),
             }
-            let seen = |moved: &Moved| moved.seen_from(level, reach, y, marks);
-            if moved.is_none_or(seen) {
-                let compared = Compared::row(level, scene, windows, y);
-                let (judge, memory) = ((reach, judge), (&mut *block, &mut *asked, &mut *mind));
-                chosen +=
-                    choose_row(level, judge, scene, &compared, (y, marks), memory, out, certainty);
+            let mut wanted = [true; TOGETHER];
+            let marks = &mut marks[..out.len()];
+            if let Some(moved) = moved {
+                let of_rows = marks.chunks_exact_mut(columns).zip(&mut wanted).enumerate();
+                for (row, (marks, wanted)) in of_rows {
+                    *wanted = moved.seen_from(level, reach, first + row, counts, marks);
+                }
             }
+            let rows = (first, out.len() / columns);
+            let compared = Compared::rows(level, scene, windows, rows, |row| wanted[row]);
+            let (judge, memory) = ((reach, judge), (&mut *block, &mut *asked, &mut *mind));
+            chosen +=
+                choose_rows(level, judge, scene, &compared, (first, marks), memory, out, certainty);
         }
         chosen
     });
@@ -123,53 +137,61 @@ fn choose(
 }
 
 at_every_level! {
-    /// Lets the marked pixels of row `y` choose; how many had a choice.
-    fn choose_row[products](
+    /// Lets the marked pixels of some rows choose, from row `first` on; how many had a choice.
+    fn choose_rows[products](
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
-        row: (usize, &[bool]),
+        rows: (usize, &[bool]),
         memory: (&mut Block, &mut Block, &mut Mind),
         out: &mut [f32],
         certainty: &mut [u8],
     ) -> usize {
-        let ((reach, judge), (block, asked, mind), (y, marks)) = (judge, memory, row);
+        let ((reach, judge), (block, asked, mind), (first, marks)) = (judge, memory, rows);
+        let columns = scene.values.columns();
         let (mut chosen, mut waiting) = (0, 0);
-        for x in (0..out.len()).step_by(LANES) {
-            let marked = run(marks, x as i64);
-            if block.find(scene, reach, marked, x, y) {
-                block.look(scene);
-            }
-            let last = x + LANES >= out.len();
-            let mut next = 0;
-            loop {
-                let (ready, count) = if next == 0 && block.open == [true; LANES] {
-                    next = LANES;
-                    (&mut *block, LANES)
-                } else {
-                    // Mostly few of a block have a choice: they wait until there is a full block of them.
-                    while next < LANES && waiting < LANES {
-                        if block.open[next] {
-                            asked.take(waiting, block, next);
-                            waiting += 1;
+        for (row, marks) in marks.chunks_exact(columns).enumerate() {
+            for x in (0..columns).step_by(LANES) {
+                let marked = run(marks, x as i64);
+                if block.find(scene, reach, marked, (x, first + row), row) {
+                    block.look(scene);
+                }
+                let last = x + LANES >= columns && (row + 1) * columns == out.len();
+                let mut next = 0;
+                loop {
+                    let (ready, count) = if next == 0 && block.open == [true; LANES] {
+                        next = LANES;
+                        (&mut *block, LANES)
+                    } else {
+                        // Mostly few of a block have a choice: they wait until there is a full block of them.
+                        while next < LANES && waiting < LANES {
+                            if block.open[next] {
+                                asked.take(waiting, block, next);
+                                waiting += 1;
+                            }
+                            next += 1;
                         }
-                        next += 1;
+                        let enough = waiting == LANES || (last && next == LANES);
+                        if waiting == 0 || !enough {
+                            break;
+                        }
+                        (&mut *asked, std::mem::take(&mut waiting))
+                    };
+                    let verdict = decide(products, judge, scene.given, compared, ready, mind, count);
+                    for l in 0..count {
+                        let pixel = ready.rows[l] * columns + ready.columns[l];
+                        out[pixel] = verdict.disparity[l];
+                        certainty[pixel] = certainty::byte(verdict.certainty[l]);
                     }
-                    let enough = waiting == LANES || (last && next == LANES);
-                    if waiting == 0 || !enough {
-                        break;
-                    }
-                    (&mut *asked, std::mem::take(&mut waiting))
-                };
-                decide(products, judge, scene.given, compared, ready, mind, count, out, certainty);
-                chosen += count;
+                    chosen += count;
+                }
             }
         }
         chosen
     }
 }
 
-/// Lets the first of `asked` choose, so many; the others are of no interest.
+/// What a judge says of the first of `asked`, so many; the others are of no interest.
 #[inline(always)]
 fn decide(
     products: impl Products,
@@ -179,19 +201,13 @@ fn decide(
     asked: &mut Block,
     mind: &mut Mind,
     count: usize,
-    out: &mut [f32],
-    certainty: &mut [u8],
-) {
+) -> Verdict {
     asked.compare(products, count, given, compared);
     judge.look(products, &asked.of_pixel, mind);
     for k in 0..asked.candidates() {
         judge.score(products, k, &asked.hints(k), mind);
     }
-    let verdict = verdict(products, asked, mind);
-    for l in 0..count {
-        let x = asked.columns[l];
-        (out[x], certainty[x]) = (verdict.disparity[l], certainty::byte(verdict.certainty[l]));
-    }
+    verdict(products, asked, mind)
 }
 
 #[cfg(test)]

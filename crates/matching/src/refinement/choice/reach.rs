@@ -42,6 +42,8 @@ pub(crate) struct Reach {
     pub settled: f32,
     /// Where all candidates lie within so many pixels there is nothing to choose.
     pub choice: f32,
+    /// Who sees so many places that moved in a round, its own among them, is asked again in the next.
+    pub moved: u8,
     /// Every so many-th pixel of every so many-th row of the image is asked, 1 or 2: columns between follow, rows
     /// between are not matched. Only pixels that are asked are looked at, and places count no others.
     pub every: usize,
@@ -105,6 +107,7 @@ pub(crate) static NARROW: Reach = Reach {
     inner: 5,
     settled: 1.0,
     choice: 2.0,
+    moved: 2,
     every: 2,
 };
 
@@ -149,5 +152,6 @@ pub(crate) static WIDE: Reach = Reach {
     inner: 13,
     settled: 1.0,
     choice: 0.5,
+    moved: 1,
     every: 1,
 };

@@ -109,7 +109,7 @@ fn sum(bytes: [u8; 8]) -> f32 {
     (bytes.wrapping_mul(ONES) >> 56) as u32 as f32
 }
 
-/// The windows of a row of an image, and the memory that it takes to find them.
+/// The windows of some rows of an image, one after the other, and the memory that it takes to find them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Windows {
     /// Census bytes and steps of the rows above, here and below, with their ends repeated.
@@ -118,32 +118,32 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// What they take for a row of so many columns.
-    pub fn bytes(columns: usize) -> usize {
-        (size_of::<Window>() + 6) * columns
+    /// What they take for so many rows of so many columns.
+    pub fn bytes(columns: usize, rows: usize) -> usize {
+        (size_of::<Window>() * rows + 6) * columns
     }
 
-    /// With the memory for rows of so many columns.
+    /// With the memory for one row of so many columns.
     pub fn new(columns: usize) -> Self {
         let mut windows = Self::default();
-        windows.reset(columns);
+        windows.reset(columns, 1);
         windows
     }
 
-    /// Takes the memory for rows of so many columns.
-    pub fn reset(&mut self, columns: usize) {
+    /// Takes the memory for so many rows of so many columns.
+    pub fn reset(&mut self, columns: usize, rows: usize) {
         for row in self.rows.as_flattened_mut() {
             row.clear();
             row.reserve_exact(columns + 2 * APART);
             row.resize(columns + 2 * APART, 0);
         }
         self.windows.clear();
-        self.windows.reserve_exact(columns);
-        self.windows.resize(columns, Window::default());
+        self.windows.reserve_exact(columns * rows);
+        self.windows.resize(columns * rows, Window::default());
     }
 
-    /// Those of row `y` of an image as wide as the rows that there is memory for.
-    pub fn compute(&mut self, level: Level, image: &Looks, y: usize) {
+    /// Those of row `y` of an image as wide as the rows that there is memory for, as row `place` of them.
+    pub fn compute(&mut self, level: Level, image: &Looks, y: usize, place: usize) {
         let columns = image.columns();
         let near = [y.saturating_sub(APART), y, (y + APART).min(image.rows() - 1)];
         for (rows, y) in self.rows.iter_mut().zip(near) {
@@ -154,7 +154,7 @@ impl Windows {
             }
         }
         let rows = self.rows.each_ref().map(|rows| rows.each_ref().map(|row| &row[..]));
-        windows_of_row(level, rows, &mut self.windows);
+        windows_of_row(level, rows, &mut self.windows[place * columns..][..columns]);
     }
 
     pub fn get(&self) -> &[Window] {
@@ -218,8 +218,9 @@ mod tests {
             });
             for y in [0, 3, 5] {
                 let windows = looks.each_ref().map(|looks| {
-                    let mut windows = Windows::new(looks.columns());
-                    windows.compute(level, looks, y);
+                    let mut windows = Windows::default();
+                    windows.reset(columns, 2);
+                    windows.compute(level, looks, y, 1);
                     windows
                 });
                 let places = [(); 2].map(|()| {
@@ -231,7 +232,7 @@ mod tests {
                 });
                 let mut several = [Several::default(); 2];
                 for (i, several) in several.iter_mut().enumerate() {
-                    several.take(windows[i].get(), &places[i]);
+                    several.take(&windows[i].get()[columns..], &places[i]);
                 }
                 let [base, other] = several;
                 let count = LANES - y;
