@@ -195,20 +195,23 @@ fn kept_holes_are_the_filled_pixels() {
 
 #[test]
 fn a_thin_thing_that_is_nearer_than_all_else_is_seen() {
-    // A pole of disparity 100 alone before a wall of 10: what a vehicle must not run into.
-    let (columns, rows, x0, wide) = (420, 120, 260, 8);
-    let views = [0, 1].map(|view| {
-        Image::Grey8(Plane::from_fn(columns, rows, |x, y| {
-            let on_pole = (x0..x0 + wide).contains(&(x as i64 + 100 * view));
-            let (shift, down) = if on_pole { (100, 5000) } else { (10, 0) };
-            texture(x as i64 + shift * view, y as i64 + down)
-        }))
-    });
-    for preset in [Preset::Balanced, Preset::Best] {
-        let map = compute(options(preset, (0, 159)), &views, None);
-        let pole = (0..rows).flat_map(|y| (x0..x0 + wide).map(move |x| (x as usize, y)));
-        let seen = pole.filter(|&(x, y)| (map.values.row(y)[x] - 100.0).abs() < 2.0).count();
-        let all = wide as usize * rows;
-        assert!(seen * 10 > all * 8, "{preset} sees {seen} pixels of {all}");
+    // Of disparity 100 alone before a wall of 10: a pole, and a beam that begins between two rows of a pair. What
+    // a vehicle must not run into.
+    let (columns, rows) = (420, 120);
+    for (name, across, down) in [("pole", 260..268, 0..rows), ("beam", 200..380, 57..63)] {
+        let views = [0, 1].map(|view| {
+            Image::Grey8(Plane::from_fn(columns, rows, |x, y| {
+                let is_near = across.contains(&(x + 100 * view)) && down.contains(&y);
+                let (shift, below) = if is_near { (100, 5000) } else { (10, 0) };
+                texture((x + shift * view) as i64, y as i64 + below)
+            }))
+        });
+        for preset in [Preset::Balanced, Preset::Best] {
+            let map = compute(options(preset, (0, 159)), &views, None);
+            let near = down.clone().flat_map(|y| across.clone().map(move |x| (x, y)));
+            let seen = near.filter(|&(x, y)| (map.values.row(y)[x] - 100.0).abs() < 2.0).count();
+            let all = across.len() * down.len();
+            assert!(seen * 10 > all * 8, "{preset} sees {seen} pixels of the {name}'s {all}");
+        }
     }
 }

@@ -62,7 +62,7 @@ const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
 const SURE: f32 = 0.4;
 /// Between two matched rows that differ by no more, in pixels, a pixel lies halfway.
-const ONE_SURFACE: f32 = 2.0;
+const ONE_SURFACE: f32 = 3.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
 

@@ -30,7 +30,7 @@ impl Moved {
     }
 
     /// Marks the pixels of row `y` enough of whose candidates come from where the map moved, their own among
-    /// these; says whether there are any. `counts` is scratch.
+    /// these; says whether there are any. Places of the inner rings count twice. `counts` is scratch.
     pub fn seen_from(
         &self,
         level: Level,
@@ -41,14 +41,15 @@ impl Moved {
     ) -> bool {
         counts.fill(0);
         let columns = counts.len();
-        for place in reach.places {
+        for (k, place) in reach.places.iter().enumerate() {
+            let weight = if k < reach.inner { 2 } else { 1 };
             let (first, Some(row)) = place.seen_from(0, y, self.0.rows()) else { continue };
             let moved = self.0.row(row);
             // Pixel `x` looks at column `first + x`.
             let shift = (first.unsigned_abs() as usize).min(columns);
             match first < 0 {
-                true => count(level, &moved[..columns - shift], &mut counts[shift..]),
-                false => count(level, &moved[shift..], &mut counts[..columns - shift]),
+                true => count(level, weight, &moved[..columns - shift], &mut counts[shift..]),
+                false => count(level, weight, &moved[shift..], &mut counts[..columns - shift]),
             }
         }
         let mut any = false;
@@ -67,9 +68,9 @@ at_every_level! {
         }
     }
 
-    fn count(moved: &[u8], counts: &mut [u8]) {
+    fn count(weight: u8, moved: &[u8], counts: &mut [u8]) {
         for (count, &moved) in counts.iter_mut().zip(moved) {
-            *count += moved;
+            *count += weight * moved;
         }
     }
 }
@@ -96,7 +97,8 @@ mod tests {
                 for y in 0..rows {
                     let any = moved.seen_from(level, reach, y, &mut counts, &mut marks);
                     let looks_there = |x: usize| {
-                        let moved = reach.places.iter().filter(|place| {
+                        let places = reach.places.iter().enumerate();
+                        let moved = places.filter(|(_, place)| {
                             let (u, v) = (
                                 x as i64 + i64::from(place.columns),
                                 y as i64 + i64::from(place.rows),
@@ -108,7 +110,8 @@ mod tests {
                                     - before.row(v as usize)[u as usize]
                                     > 2.0
                         });
-                        moved.count() >= usize::from(reach.moved)
+                        let counted: u8 = moved.map(|(k, _)| 1 + u8::from(k < reach.inner)).sum();
+                        counted >= reach.moved
                     };
                     let expected: Vec<bool> = (0..columns).map(looks_there).collect();
                     assert_eq!(marks, expected, "row {y}");

@@ -42,7 +42,8 @@ pub(crate) struct Reach {
     pub settled: f32,
     /// Where all candidates lie within so many pixels there is nothing to choose.
     pub choice: f32,
-    /// Who sees so many places that moved in a round, its own among them, is asked again in the next.
+    /// Who sees so many places that moved in a round, its own among them, is asked again in the next; those of
+    /// the inner rings count twice.
     pub moved: u8,
     /// Every so many-th pixel of every so many-th row of the image is asked, 1 or 2: columns between follow, rows
     /// between are not matched. Only pixels that are asked are looked at, and places count no others.
