@@ -62,13 +62,13 @@ impl Needs {
     pub fn new(
         frame: &Frame<'_>,
         work: BoundingBox,
-        rows: MatchedRows,
         space: &SearchSpace,
         ingredients: Ingredients,
         jury: &Jury,
     ) -> Self {
         let (width, height) = frame.size();
-        let (columns, lines) = (work.columns(), rows.count);
+        let columns = work.columns();
+        let lines = MatchedRows::of(work, jury.reach.every).count;
         // Pixels of the images, of their rows that are matched, and of the left one's part.
         let (all, wide, part) = (width * height, width * lines, columns * lines);
         let of_image = |image| (grey(image) + upper_bits(image)) * all;
@@ -114,7 +114,7 @@ impl Needs {
         let spread = 4 * wide + 2 * columns * work.rows();
         let stages = images + flat + features + descriptors + left + prior + refined + spread;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
-        Self { rest: ANSWER * all + stages + self::rows(width + space.count), volume }
+        Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
     }
 
     /// The least that it takes.

@@ -33,23 +33,9 @@ use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What the presets differ in, beside their ingredients.
-struct Parameters {
-    /// Rows from one that is matched to the next.
-    apart: usize,
-    /// What changes of disparity cost; in a noisy image its steps count less ([`penalties`]).
-    penalties: Penalties,
-}
-
-const BALANCED: Parameters = Parameters {
-    apart: 2,
-    penalties: Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 },
-};
-const BEST: Parameters = Parameters {
-    apart: 1,
-    penalties: Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 },
-};
-
+/// What changes of disparity cost in either preset; in a noisy image its steps count less ([`penalties`]).
+const BALANCED: Penalties = Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 };
+const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 };
 /// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
 /// noise of up to this standard deviation where images are clean.
 const STEPS_OF_NOISE: f32 = 3.0;
@@ -74,7 +60,7 @@ const FILL: &str = "fill";
 /// The stages and their memory.
 pub(crate) struct SemiGlobalMatching {
     ingredients: Ingredients,
-    parameters: &'static Parameters,
+    penalties: Penalties,
     level: Level,
     buffers: [GreyBuffer; 2],
     alignment: Alignment,
@@ -123,7 +109,7 @@ impl SemiGlobalMatching {
     ) -> Self {
         Self {
             ingredients: Ingredients::of(preset, without),
-            parameters: if preset == Preset::Balanced { &BALANCED } else { &BEST },
+            penalties: if preset == Preset::Balanced { BALANCED } else { BEST },
             level,
             memory,
             buffers: Default::default(),
@@ -413,8 +399,7 @@ impl SemiGlobalMatching {
 
 impl SemiGlobalMatching {
     fn needs(&self, frame: &Frame<'_>, work: BoundingBox, space: &SearchSpace) -> Needs {
-        let rows = MatchedRows::of(work, self.parameters.apart);
-        Needs::new(frame, work, rows, space, self.ingredients, self.choices.jury())
+        Needs::new(frame, work, space, self.ingredients, self.choices.jury())
     }
 }
 
@@ -438,7 +423,8 @@ impl Pipeline for SemiGlobalMatching {
         let bounds = frame.bounds;
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
-        let rows = MatchedRows::of(work, self.parameters.apart);
+        // Rows that no judge asks need not be matched.
+        let rows = MatchedRows::of(work, self.choices.jury().reach.every);
         let columns = work.columns();
         let space = SearchSpace::new(width, work, frame.range);
         let bands = self.needs(frame, work, &space).bands(self.memory);
@@ -462,7 +448,7 @@ impl Pipeline for SemiGlobalMatching {
             (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
             made_grey = made_grey + aligned.done;
         }
-        let (penalties, looked) = penalties(ingredients, self.parameters.penalties, grey[0]);
+        let (penalties, looked) = penalties(ingredients, self.penalties, grey[0]);
         profile.end("grey, vertical alignment, noise", made_grey + looked);
         let search = Search {
             ingredients,
@@ -581,17 +567,17 @@ mod tests {
             let mut chance = Chance(2);
             let grey =
                 Plane::from_fn(90, 60, |x, _| (90.0 + x as f32 + most * chance.share()) as u8);
-            penalties(Ingredients::of(Preset::Balanced, &[]), BALANCED.penalties, grey.view()).0
+            penalties(Ingredients::of(Preset::Balanced, &[]), BALANCED, grey.view()).0
         };
-        assert_eq!(with_noise(0.0), BALANCED.penalties);
+        assert_eq!(with_noise(0.0), BALANCED);
         // A deviation of 3: what texture is taken for.
-        assert_eq!(with_noise(10.0), BALANCED.penalties);
+        assert_eq!(with_noise(10.0), BALANCED);
         // One of 17.
         let noisy = with_noise(60.0);
         assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
-        assert_eq!(Penalties { noise: 0, ..noisy }, BALANCED.penalties);
+        assert_eq!(Penalties { noise: 0, ..noisy }, BALANCED);
         let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
         let flat = Plane::filled(90, 60, 7);
-        assert_eq!(penalties(without, BALANCED.penalties, flat.view()).0.fall, 0);
+        assert_eq!(penalties(without, BALANCED, flat.view()).0.fall, 0);
     }
 }

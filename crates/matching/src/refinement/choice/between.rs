@@ -8,8 +8,6 @@ use super::block::Given;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
-/// Every so many-th pixel of every so many-th row of the image was asked.
-const EVERY: usize = 2;
 /// A pixel follows a neighbour that had its disparity, within so many pixels, and took another.
 const SAME: f32 = 1.0;
 /// How far neighbours are alike: so many grey values count as much as a pixel of disparity, and more
@@ -18,9 +16,10 @@ const GREY: f32 = 20.0;
 const FAR: f32 = 2.0;
 
 /// Lets the pixels of a map, which had the disparities `values`, follow those of their row that were asked, in
-/// `out` and in `certainty`.
+/// `out` and in `certainty`. The map has every so many-th row of the image.
 pub(super) fn follow(
     level: Level,
+    every: usize,
     given: &Given<'_>,
     values: &Plane<f32>,
     asked: (&Plane<f32>, &Plane<u8>),
@@ -31,7 +30,7 @@ pub(super) fn follow(
     let out = out.samples_mut().par_chunks_mut(columns);
     let out = out.zip(certainty.samples_mut().par_chunks_mut(columns)).enumerate();
     out.for_each(|(y, (out, certainty))| {
-        let grey = given.grey[0].row(given.top + EVERY * y);
+        let grey = given.grey[0].row(given.top + every * y);
         let before = (values.row(y), &grey[given.first..given.first + columns]);
         along_row(level, before, (asked.0.row(y), asked.1.row(y)), out, certainty);
     });
@@ -150,7 +149,7 @@ mod tests {
         };
         let mut out = values.map(|_| f32::NAN);
         let mut certainty = values.map(|_| 0);
-        follow(level, &given, values, asked, &mut certainty, &mut out);
+        follow(level, 2, &given, values, asked, &mut certainty, &mut out);
         (out, certainty)
     }
 

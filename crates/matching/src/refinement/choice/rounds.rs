@@ -116,7 +116,7 @@ impl Choices {
         let mut sparse = std::mem::take(&mut self.sparse);
         done = done + sparse.take(every, values, reasons);
         done = done + self.rounds(level, rounds, given, sparse.map());
-        done = done + sparse.follow(level, given, values, &self.certainty, other);
+        done = done + sparse.follow(level, every, given, values, &self.certainty, other);
         std::mem::swap(values, other);
         done = done + unconfirm(level, given, 1, false, other, values, reasons);
         self.sparse = sparse;

@@ -70,6 +70,7 @@ impl Sparse {
     pub fn follow(
         &mut self,
         level: Level,
+        every: usize,
         given: &Given<'_>,
         before: &Plane<f32>,
         certainty: &Plane<u8>,
@@ -78,7 +79,7 @@ impl Sparse {
         let (columns, rows) = before.size();
         out.reshape(columns, rows, 0.0);
         self.certainty.reshape(columns, rows, 0);
-        follow(level, given, before, (&self.values, certainty), &mut self.certainty, out)
+        follow(level, every, given, before, (&self.values, certainty), &mut self.certainty, out)
     }
 
     /// How sure all pixels are, in bytes.
@@ -122,7 +123,7 @@ mod tests {
             sparse.take(2, &values, &reasons);
             let certainty = sparse.values.map(|_| 77);
             let mut out = Plane::default();
-            sparse.follow(Level::detect(), &given, &values, &certainty, &mut out);
+            sparse.follow(Level::detect(), 2, &given, &values, &certainty, &mut out);
             assert!(out == values, "{columns} x {rows}");
             assert!(sparse.told().iter().all(|&told| told == 77));
         }
