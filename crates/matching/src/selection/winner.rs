@@ -183,10 +183,12 @@ fn meet_group<const ALL: bool>(
 ) {
     let (start, count) = (lanes.start as u16, lanes.len() as u16);
     for i in 0..LANES {
-        let is_tried = ALL || (i as u16).wrapping_sub(start) < count;
+        // Written without a condition, of which the compiler would make a jump below AVX-512.
+        let is_untried = !ALL && (i as u16).wrapping_sub(start) >= count;
+        let untried = NO_SUM & u16::from(is_untried).wrapping_neg();
         // What is not tried may be larger than what can be marked.
-        let sum = sums[i].wrapping_mul(TAGS as u16);
-        let [here, there] = [group, column].map(|mark| if is_tried { sum | mark } else { NO_SUM });
+        let sum = sums[i].wrapping_mul(TAGS as u16) | untried;
+        let [here, there] = [sum | group, sum | column];
         next[i] = next[i].min(least[i].max(here));
         least[i] = least[i].min(here);
         right[i] = right[i].min(there);
@@ -215,8 +217,8 @@ fn select_block(parts: &[Part]) -> ([Key; TAGS], [u16; TAGS]) {
             let neighbours = (winner as u16).wrapping_sub(1).wrapping_sub(first);
             for i in 0..LANES {
                 let k = least[i] % TAGS as u16 * LANES as u16 + i as u16;
-                let is_near = k.wrapping_sub(neighbours) <= 2;
-                others[i] = if is_near { next[i] } else { least[i] };
+                let is_near = u16::from(k.wrapping_sub(neighbours) <= 2).wrapping_neg();
+                others[i] = least[i] ^ (least[i] ^ next[i]) & is_near;
             }
         }
         let others = least_with_lane(&others).0;
