@@ -108,6 +108,15 @@ pub(crate) trait Products: Copy {
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
 
+    /// The same, pair after pair, for sums that grow together: all of them see the same pairs of the lanes, and
+    /// share pairs of their own. Those of a vector stay in registers from the first pair to the last.
+    fn add_all<const N: usize>(
+        self,
+        sums: &mut [[i32; LANES]; N],
+        shared: &[[Pair; N]],
+        own: &[[i32; LANES]],
+    );
+
     /// Adds to each sum both products of its own pairs with each other.
     fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers);
 }
@@ -124,6 +133,20 @@ impl Products for Plain {
         for (sum, &own) in sums.iter_mut().zip(own) {
             *sum +=
                 i32::from(shared[0]) * i32::from(own as i16) + i32::from(shared[1]) * (own >> 16);
+        }
+    }
+
+    #[inline(always)]
+    fn add_all<const N: usize>(
+        self,
+        sums: &mut [[i32; LANES]; N],
+        shared: &[[Pair; N]],
+        own: &[[i32; LANES]],
+    ) {
+        for (shared, own) in shared.iter().zip(own) {
+            for (sums, shared) in sums.iter_mut().zip(shared) {
+                self.add(sums, *shared, own);
+            }
         }
     }
 
@@ -214,6 +237,34 @@ mod x86 {
                     // SAFETY: the same.
                     let own = unsafe { transmute::<[i32; LANES], [$sums; Self::PARTS]>(*own) };
                     self.add_parts(sums, [shared; Self::PARTS], own);
+                }
+
+                #[inline(always)]
+                fn add_all<const N: usize>(
+                    self,
+                    sums: &mut [[i32; LANES]; N],
+                    shared: &[[Pair; N]],
+                    own: &[[i32; LANES]],
+                ) {
+                    for part in 0..Self::PARTS {
+                        // SAFETY: as in `add_parts`; a part lies within its sixteen numbers.
+                        unsafe {
+                            let mut parts = [$same(0); N];
+                            for (part_of, sums) in parts.iter_mut().zip(&*sums) {
+                                *part_of = sums.as_ptr().cast::<$sums>().add(part).read_unaligned();
+                            }
+                            for (shared, own) in shared.iter().zip(own) {
+                                let $other = own.as_ptr().cast::<$sums>().add(part).read_unaligned();
+                                for (part_of, shared) in parts.iter_mut().zip(shared) {
+                                    let ($sum, $one) = (*part_of, $same(transmute::<Pair, i32>(*shared)));
+                                    *part_of = $add;
+                                }
+                            }
+                            for (part_of, sums) in parts.iter().zip(&mut *sums) {
+                                sums.as_mut_ptr().cast::<$sums>().add(part).write_unaligned(*part_of);
+                            }
+                        }
+                    }
                 }
 
                 #[inline(always)]

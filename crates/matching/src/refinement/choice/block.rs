@@ -368,23 +368,10 @@ impl Block {
                 }
             }
         }
-        // Two at a time: what the others say is read once for both.
         for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
             let [one, two] = self.relations.of(i);
-            let ([mut a, mut b, mut c, mut d], [mut e, mut f, mut g, mut h]) =
-                ([[0; LANES]; VOTES], [[0; LANES]; VOTES]);
-            for (other, heard) in self.relations.pairs().iter().zip(&self.heard) {
-                let same = [say_the_same(&one, other), say_the_same(&two, other)];
-                products.add_each(&mut a, &same[0], &heard[0]);
-                products.add_each(&mut b, &same[0], &heard[1]);
-                products.add_each(&mut c, &same[0], &heard[2]);
-                products.add_each(&mut d, &same[0], &heard[3]);
-                products.add_each(&mut e, &same[1], &heard[0]);
-                products.add_each(&mut f, &same[1], &heard[1]);
-                products.add_each(&mut g, &same[1], &heard[2]);
-                products.add_each(&mut h, &same[1], &heard[3]);
-            }
-            *votes = [[a, b, c, d], [e, f, g, h]];
+            let (others, heard) = (self.relations.pairs(), &self.heard);
+            *votes = [votes_of(products, &one, others, heard), votes_of(products, &two, others, heard)];
         }
         for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {
@@ -412,10 +399,9 @@ impl Block {
         weights
     }
 
-    /// What is known of candidate `k`.
+    /// Writes what is known of candidate `k`: to make hints anew each time, they would be cleared before.
     #[inline(always)]
-    pub fn hints(&self, k: usize) -> Hints {
-        let mut hints = [NONE; OF_EACH];
+    pub fn hints(&self, k: usize, hints: &mut Hints) {
         let disparities = &self.disparities[k];
         let (right, outside) = (&self.right[k], &self.outside[k]);
         let Fits { bits, bits_here, steps } = self.windows.fit(&self.met[k], self.count);
@@ -444,8 +430,26 @@ impl Block {
             hints[19][l] = self.votes[k][3][l] as f32 * self.scales[3][l];
         }
         hints[15] = *outside;
-        hints
     }
+}
+
+/// How many of the others say the same as a candidate.
+#[inline(always)]
+fn votes_of(
+    products: impl Products,
+    candidate: &Numbers,
+    others: &[Numbers],
+    heard: &[[Numbers; VOTES]],
+) -> [Sums; VOTES] {
+    let [mut a, mut b, mut c, mut d] = [[0; LANES]; VOTES];
+    for (other, heard) in others.iter().zip(heard) {
+        let same = say_the_same(candidate, other);
+        products.add_each(&mut a, &same, &heard[0]);
+        products.add_each(&mut b, &same, &heard[1]);
+        products.add_each(&mut c, &same, &heard[2]);
+        products.add_each(&mut d, &same, &heard[3]);
+    }
+    [a, b, c, d]
 }
 
 /// Differences of disparity as a judge sees them: what is large counts less.

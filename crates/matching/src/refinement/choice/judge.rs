@@ -60,6 +60,10 @@ pub(crate) struct Judge {
 pub(super) struct Mind {
     /// What the pixels add to the first layer.
     own: [Sums; LARGEST],
+    /// What is known of a candidate.
+    pub hints: Hints,
+    /// The first layer of a candidate.
+    numbers: [Pairs; LARGEST / 2],
     /// Of each candidate, and in the end how likely it is.
     scores: [Lanes; MOST],
     /// The same in parts of [`ALL`], of two after the other.
@@ -72,6 +76,8 @@ impl Default for Mind {
     fn default() -> Self {
         Self {
             own: [[0; LANES]; LARGEST],
+            hints: [NONE; OF_EACH],
+            numbers: [[0; LANES]; LARGEST / 2],
             scores: [NONE; MOST],
             shares: [NO_NUMBERS; MOST / 2],
             expected: [[0; LANES]; MOST],
@@ -166,9 +172,10 @@ impl Judge {
         weights.chunks_exact(weights.len() / (self.layers.first / TOGETHER))
     }
 
-    /// Scores candidate `k`.
+    /// Scores candidate `k`, of which the hints are known.
     #[inline(always)]
-    pub(super) fn score(&self, products: impl Products, k: usize, hints: &Hints, mind: &mut Mind) {
+    pub(super) fn score(&self, products: impl Products, k: usize, mind: &mut Mind) {
+        let Mind { own, hints, numbers, scores, .. } = mind;
         let places = self.places[k].as_chunks().0;
         let [a, b, c, d, e, f, g, h, i, j] = hints.as_chunks().0 else {
             unreachable!("candidates have twenty numbers")
@@ -186,9 +193,8 @@ impl Judge {
             in_pairs(i),
             in_pairs(j),
         ];
-        let mut numbers = [[0; LANES]; LARGEST / 2];
         let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
-        let groups = groups.zip(mind.own.as_chunks().0);
+        let groups = groups.zip(own.as_chunks().0);
         for ((out, own), (weights, place)) in groups.zip(self.groups(&self.of_each).zip(places)) {
             let [a, b, c, d, e, f, g, h] = weighted(products, *own, weights, &hints);
             let [of_a, of_b, of_c, of_d, of_e, of_f, of_g, of_h]: [i32; TOGETHER] = *place;
@@ -213,7 +219,7 @@ impl Judge {
                 }
             }
         }
-        mind.scores[k] = score;
+        scores[k] = score;
     }
 
     /// Two numbers of the first layer: sums, and what is to be added.
@@ -267,18 +273,9 @@ fn weighted(
     weights: &[[Pair; TOGETHER]],
     from: &[Pairs],
 ) -> [Sums; TOGETHER] {
-    let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = sums;
-    for (weights, from) in weights.iter().zip(from) {
-        products.add(&mut a, weights[0], from);
-        products.add(&mut b, weights[1], from);
-        products.add(&mut c, weights[2], from);
-        products.add(&mut d, weights[3], from);
-        products.add(&mut e, weights[4], from);
-        products.add(&mut f, weights[5], from);
-        products.add(&mut g, weights[6], from);
-        products.add(&mut h, weights[7], from);
-    }
-    [a, b, c, d, e, f, g, h]
+    let mut sums = sums;
+    products.add_all(&mut sums, weights, from);
+    sums
 }
 
 /// The candidate that is expected to be off by the least, by the scores of all.
@@ -393,7 +390,8 @@ mod tests {
             let mut mind = Mind::default();
             judge.look(products, &block.of_pixel, &mut mind);
             for (k, hints) in hints.iter().enumerate() {
-                judge.score(products, k, hints, &mut mind);
+                mind.hints = *hints;
+                judge.score(products, k, &mut mind);
             }
             verdict(products, block, &mut mind)
         }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use raster::Plane;
 
-use super::block::{Block, Compared, LANES, OF_EACH, OF_PIXEL, Scene};
+use super::block::{Block, Compared, LANES, NONE, OF_EACH, OF_PIXEL, Scene};
 use super::reach::Reach;
 use super::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
@@ -62,10 +62,11 @@ at_every_level! {
         block.look(scene);
         block.compare(products, 1, scene.given, compared);
         let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
+        let mut hints = [NONE; OF_EACH];
         for k in 0..block.candidates() {
             known.disparities.push(block.disparities[k][0]);
             known.inside.push(block.inside[k][0] > 0.0);
-            let hints = block.hints(k);
+            block.hints(k, &mut hints);
             for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
                 of_each.push(hint[0]);
             }

@@ -205,7 +205,8 @@ fn decide(
     asked.compare(products, count, given, compared);
     judge.look(products, &asked.of_pixel, mind);
     for k in 0..asked.candidates() {
-        judge.score(products, k, &asked.hints(k), mind);
+        asked.hints(k, &mut mind.hints);
+        judge.score(products, k, mind);
     }
     verdict(products, asked, mind)
 }
