@@ -49,7 +49,8 @@ at_every_level! {
     }
 }
 
-/// Disparities and confidence of some winners. After the `last` disparity there is no other.
+/// Disparities and confidence of some winners. After the `last` disparity there is no other. Written without
+/// conditions, of which the compiler would make jumps below AVX-512, and with a loop for each width of numbers.
 #[inline(always)]
 fn evaluate(
     index: &[u16],
@@ -66,14 +67,31 @@ fn evaluate(
     let n = disparities.len();
     let (index, opposite, confidence) = (&index[..n], &opposite[..n], &mut confidence[..n]);
     let (least, before, after) = (&least[..n], &before[..n], &after[..n]);
+    let (mut is_found, mut is_inner) = ([0u16; BLOCK], [0u16; BLOCK]);
+    let (is_found, is_inner) = (&mut is_found[..n], &mut is_inner[..n]);
     for i in 0..n {
-        let found = (least[i] < OUT) & (index[i].abs_diff(opposite[i]) <= 1);
-        let after = if index[i] < last { after[i] } else { OUT };
-        let valley = valley(before[i], least[i], after);
-        let nearest = nearest((f32::from(index[i]) + valley.fraction) * scale) as u16;
-        disparities[i] = if found { nearest } else { HOLE };
-        confidence[i] = if found { valley.confidence } else { 0.0 };
+        let found = (u16::from(least[i]) < OUT.into()) & (index[i].abs_diff(opposite[i]) <= 1);
+        is_found[i] = u16::from(found).wrapping_neg();
+        is_inner[i] = u16::from(index[i] < last).wrapping_neg();
     }
+    let mut nearest_steps = [0u16; BLOCK];
+    let nearest_steps = &mut nearest_steps[..n];
+    for i in 0..n {
+        let inner = is_inner[i];
+        let after = u16::from(after[i]) & inner | u16::from(OUT) & !inner;
+        let valley = valley(before[i], least[i], after);
+        nearest_steps[i] = nearest((f32::from(index[i]) + valley.fraction) * scale) as u16;
+        confidence[i] = masked(valley.confidence, is_found[i]);
+    }
+    for i in 0..n {
+        disparities[i] = nearest_steps[i] & is_found[i] | HOLE & !is_found[i];
+    }
+}
+
+/// The number where all bits of the mask are set, 0 where none is.
+#[inline(always)]
+fn masked(number: f32, mask: u16) -> f32 {
+    f32::from_bits(number.to_bits() & i32::from(mask as i16) as u32)
 }
 
 /// The shape of the costs around a winner.
@@ -83,15 +101,16 @@ struct Valley {
 }
 
 #[inline(always)]
-fn valley(before: u8, least: u8, after: u8) -> Valley {
+fn valley(before: u8, least: u8, after: u16) -> Valley {
     let (before, least, after) = (f32::from(before), f32::from(least), f32::from(after));
     let higher = before.max(after);
     let rise = higher - least;
     // No sum beside the winner at one end of the range: nothing is known there.
-    let known = (higher < f32::from(OUT)) & (rise > 0.0);
-    let fraction = if known { tip_of_v(before, least, after) } else { 0.0 };
-    let confidence = if known { rise / higher } else { 0.0 };
-    Valley { fraction, confidence }
+    let known = u16::from((higher < f32::from(OUT)) & (rise > 0.0)).wrapping_neg();
+    Valley {
+        fraction: masked(tip_of_v(before, least, after), known),
+        confidence: masked(rise / higher, known),
+    }
 }
 
 #[cfg(test)]
