@@ -22,6 +22,7 @@ use raster::{Plane, View};
 use rayon::prelude::*;
 
 use super::{MatchedRows, SearchSpace};
+use crate::kernels::bits::Bits;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{LANES, LARGEST_COST};
 use crate::optimization::semi_global::CostRows;
@@ -231,7 +232,7 @@ pub(crate) struct CensusGradientRows<'a> {
 
 at_every_level! {
     /// The costs of a row.
-    fn row_costs(
+    fn row_costs[instructions](
         features: &FeaturePair,
         space: &SearchSpace,
         y: usize,
@@ -253,7 +254,7 @@ at_every_level! {
                 Some(doubtful) if doubtful[x] => DOUBTFUL,
                 Some(_) => CERTAIN,
             };
-            add_up(weights, (word, words), (step, steps), costs);
+            add_up(instructions, weights.census, (word, words), (step, steps), costs);
             if weights.descriptor > 0 {
                 let descriptors = &right.descriptors.row(y)[place..place + space.lanes];
                 add_descriptors(weights, left.descriptors.row(y)[x], descriptors, costs);
@@ -268,7 +269,8 @@ at_every_level! {
 /// The costs of a pixel by census words and grey steps, its own and those that it is compared with.
 #[inline(always)]
 fn add_up(
-    weights: Weights,
+    instructions: impl Bits,
+    weight: u16,
     (word, words): (u32, &[u32]),
     (step, steps): (u8, &[u8]),
     costs: &mut [u8],
@@ -276,32 +278,15 @@ fn add_up(
     let (words, steps) = (words.as_chunks::<LANES>().0, steps.as_chunks::<LANES>().0);
     let groups = costs.as_chunks_mut::<LANES>().0.iter_mut().zip(words).zip(steps);
     for ((costs, words), steps) in groups {
-        *costs = costs_of_group(weights.census, (word, words), (step, steps));
+        // Given back rather than written, so that the compiler need not ask whether what it reads changes meanwhile.
+        let mut sums = instructions.weighed(word, words, weight);
+        for i in 0..LANES {
+            // `abs_diff` would go through 32 bits.
+            let difference = step.max(steps[i]) - step.min(steps[i]);
+            sums[i] += difference.min(LARGEST_STEP);
+        }
+        *costs = sums;
     }
-}
-
-/// The costs of a group of disparities. They are given back rather than written, so that the compiler
-/// need not ask whether what it reads changes meanwhile.
-#[inline(always)]
-fn costs_of_group(
-    weight: u16,
-    (word, words): (u32, &[u32; LANES]),
-    (step, steps): (u8, &[u8; LANES]),
-) -> [u8; LANES] {
-    // One loop per width of number, so that each fills its vectors.
-    let (mut bits, mut costs) = ([0u8; LANES], [0u8; LANES]);
-    for i in 0..LANES {
-        bits[i] = (word ^ words[i]).count_ones() as u8;
-    }
-    for i in 0..LANES {
-        costs[i] = (u16::from(bits[i]) * weight / 64) as u8;
-    }
-    for i in 0..LANES {
-        // `abs_diff` would go through 32 bits.
-        let difference = step.max(steps[i]) - step.min(steps[i]);
-        costs[i] += difference.min(LARGEST_STEP);
-    }
-    costs
 }
 
 /// What descriptors add to the costs of a pixel.

@@ -4,6 +4,7 @@
 
 pub(crate) mod ahead;
 pub(crate) mod aligned;
+pub(crate) mod bits;
 pub(crate) mod border;
 pub mod level;
 pub(crate) mod median;

@@ -14,6 +14,7 @@
 //!
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
+use super::bits::Bits;
 use super::rounding::nearest;
 
 /// Sums that are kept together.
@@ -104,7 +105,7 @@ pub(crate) fn packed(one: i32, other: i32) -> i32 {
 pub(crate) type Numbers = [i16; 2 * LANES];
 
 /// What adds pairs of products at one level.
-pub(crate) trait Products: Copy {
+pub(crate) trait Products: Bits {
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
 
@@ -125,6 +126,9 @@ pub(crate) trait Products: Copy {
 #[cfg(any(test, not(target_arch = "x86_64")))]
 #[derive(Clone, Copy)]
 pub(crate) struct Plain;
+
+#[cfg(all(test, target_arch = "x86_64"))]
+impl Bits for Plain {}
 
 #[cfg(any(test, not(target_arch = "x86_64")))]
 impl Products for Plain {

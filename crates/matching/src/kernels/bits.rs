@@ -1,0 +1,122 @@
+//! How many bits of words differ, weighed: what census words cost.
+//!
+//! ```text
+//! c_i = floor(w H(a, b_i) / 64)
+//! ```
+//!
+//! with the Hamming distance `H` of 32 bits. From AVX-512 on there is an instruction that counts bits, and a plain
+//! loop becomes it. With AVX2 the compiler counts those of half bytes by a table, as everyone does, but then adds
+//! the four bytes of a word up in a way that takes nearly as long as counting; here it is sums of products by ones.
+//!
+//! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
+
+/// Words that are compared together.
+pub(crate) const LANES: usize = 32;
+
+/// What compares words at one level.
+pub(crate) trait Bits: Copy {
+    /// How many bits of `word` differ from those of each of `words`, times `weight`, in 64ths. No weight is larger
+    /// than 510: what comes of it fits a byte.
+    #[inline(always)]
+    fn weighed(self, word: u32, words: &[u32; LANES], weight: u16) -> [u8; LANES] {
+        // One loop per width of number, so that each fills its vectors.
+        let (mut bits, mut weighed) = ([0u8; LANES], [0u8; LANES]);
+        for i in 0..LANES {
+            bits[i] = (word ^ words[i]).count_ones() as u8;
+        }
+        for i in 0..LANES {
+            weighed[i] = (u16::from(bits[i]) * weight / 64) as u8;
+        }
+        weighed
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code)]
+mod x86 {
+    use std::arch::x86_64::*;
+    use std::mem::transmute;
+
+    use super::{Bits, LANES};
+    use crate::kernels::products::{Avx2, Avx512, Baseline};
+
+    impl Bits for Baseline {}
+    impl Bits for Avx512 {}
+
+    impl Bits for Avx2 {
+        #[inline(always)]
+        fn weighed(self, word: u32, words: &[u32; LANES], weight: u16) -> [u8; LANES] {
+            // SAFETY: whoever made `self` vouched for the instructions, and both sides of a transmutation are
+            // plain numbers of the same size.
+            unsafe {
+                let [a, b, c, d] = transmute::<[u32; LANES], [__m256i; 4]>(*words);
+                let word = _mm256_set1_epi32(word as i32);
+                // Of each part of a lane: a and b, then c and d.
+                let ab = _mm256_packus_epi16(self.of_halves(word, a), self.of_halves(word, b));
+                let cd = _mm256_packus_epi16(self.of_halves(word, c), self.of_halves(word, d));
+                let weight = _mm256_set1_epi16(weight as i16);
+                let weigh = |halves| {
+                    let bits = _mm256_maddubs_epi16(halves, _mm256_set1_epi8(1));
+                    _mm256_srli_epi16::<6>(_mm256_mullo_epi16(bits, weight))
+                };
+                let all = _mm256_packus_epi16(weigh(ab), weigh(cd));
+                let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+                transmute::<__m256i, [u8; LANES]>(_mm256_permutevar8x32_epi32(all, order))
+            }
+        }
+    }
+
+    impl Avx2 {
+        /// How many bits differ in each half of eight words.
+        #[inline(always)]
+        fn of_halves(self, word: __m256i, words: __m256i) -> __m256i {
+            // SAFETY: as above.
+            unsafe {
+                let table = _mm256_broadcastsi128_si256(_mm_setr_epi8(
+                    0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4,
+                ));
+                let half_byte = _mm256_set1_epi8(15);
+                let differing = _mm256_xor_si256(word, words);
+                let low = _mm256_and_si256(differing, half_byte);
+                let high = _mm256_and_si256(_mm256_srli_epi16::<4>(differing), half_byte);
+                let low = _mm256_shuffle_epi8(table, low);
+                let bits = _mm256_add_epi8(low, _mm256_shuffle_epi8(table, high));
+                _mm256_maddubs_epi16(bits, _mm256_set1_epi8(1))
+            }
+        }
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Bits for super::products::Baseline {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+    use crate::kernels::level::{Level, at_every_level};
+
+    at_every_level! {
+        fn weigh[bits](word: u32, words: &[u32; LANES], weight: u16) -> [u8; LANES] {
+            bits.weighed(word, words, weight)
+        }
+    }
+
+    #[test]
+    fn weighed_bits_are_their_definition_at_every_level() {
+        let mut chance = Chance(7);
+        let mut word = || chance.below(1 << 16) << 16 | chance.below(1 << 16);
+        for weight in [0, 1, 75, 200, 510] {
+            for extreme in [[0; 2], [0, u32::MAX], [word(), word()]] {
+                let mut words = [(); LANES].map(|()| word());
+                words[3] = extreme[0];
+                let differing = |other: u32| (0..32).filter(|b| (extreme[1] ^ other) >> b & 1 == 1);
+                let expected = words.map(|w| (differing(w).count() * weight / 64) as u8);
+                for level in Level::available() {
+                    eprintln!("level {}", level.name());
+                    assert_eq!(weigh(level, extreme[1], &words, weight as u16), expected);
+                }
+            }
+        }
+    }
+}
