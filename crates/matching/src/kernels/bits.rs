@@ -110,7 +110,8 @@ mod tests {
             for extreme in [[0; 2], [0, u32::MAX], [word(), word()]] {
                 let mut words = [(); LANES].map(|()| word());
                 words[3] = extreme[0];
-                let differing = |other: u32| (0..32).filter(move |b| (extreme[1] ^ other) >> b & 1 == 1);
+                let differing =
+                    |other: u32| (0..32).filter(move |b| (extreme[1] ^ other) >> b & 1 == 1);
                 let expected = words.map(|w| (differing(w).count() * weight / 64) as u8);
                 for level in Level::available() {
                     eprintln!("level {}", level.name());

@@ -258,14 +258,19 @@ mod x86 {
                                 *part_of = sums.as_ptr().cast::<$sums>().add(part).read_unaligned();
                             }
                             for (shared, own) in shared.iter().zip(own) {
-                                let $other = own.as_ptr().cast::<$sums>().add(part).read_unaligned();
+                                let $other =
+                                    own.as_ptr().cast::<$sums>().add(part).read_unaligned();
                                 for (part_of, shared) in parts.iter_mut().zip(shared) {
-                                    let ($sum, $one) = (*part_of, $same(transmute::<Pair, i32>(*shared)));
+                                    let ($sum, $one) =
+                                        (*part_of, $same(transmute::<Pair, i32>(*shared)));
                                     *part_of = $add;
                                 }
                             }
                             for (part_of, sums) in parts.iter().zip(&mut *sums) {
-                                sums.as_mut_ptr().cast::<$sums>().add(part).write_unaligned(*part_of);
+                                sums.as_mut_ptr()
+                                    .cast::<$sums>()
+                                    .add(part)
+                                    .write_unaligned(*part_of);
                             }
                         }
                     }

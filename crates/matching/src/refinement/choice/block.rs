@@ -371,7 +371,8 @@ impl Block {
         for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
             let [one, two] = self.relations.of(i);
             let (others, heard) = (self.relations.pairs(), &self.heard);
-            *votes = [votes_of(products, &one, others, heard), votes_of(products, &two, others, heard)];
+            *votes =
+                [votes_of(products, &one, others, heard), votes_of(products, &two, others, heard)];
         }
         for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {
