@@ -33,17 +33,13 @@ use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What changes of disparity cost in either preset; in a noisy image more, and its steps count less
-/// ([`penalties`]).
+/// What changes of disparity cost in either preset; in a noisy image its steps count less ([`penalties`]).
 const BALANCED: Penalties = Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 };
 const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 };
 /// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
 /// noise of up to this standard deviation where images are clean.
 const STEPS_OF_NOISE: f32 = 3.0;
 const LITTLE_NOISE: f32 = 4.0;
-/// So much more do changes of disparity cost for each grey value of the noise beyond that, up to a limit.
-const MORE: f32 = 4.0;
-const DEAREST: f32 = 100.0;
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
@@ -135,8 +131,7 @@ impl SemiGlobalMatching {
     }
 }
 
-/// What changes of disparity cost in an image: the more noisy it is, the more they cost, since costs say less, and
-/// the less its steps of grey count.
+/// What changes of disparity cost in an image: the more noisy it is, the less its steps of grey count.
 fn penalties(
     ingredients: Ingredients,
     penalties: Penalties,
@@ -145,16 +140,8 @@ fn penalties(
     if !ingredients.has(Ingredient::AdaptiveP2) {
         return (Penalties { fall: 0, ..penalties }, Work::default());
     }
-    let noise = (noise(grey) - LITTLE_NOISE).max(0.0);
-    let dearer = |penalty: u8| (f32::from(penalty) + MORE * noise).round_ties_even().min(DEAREST);
-    let adapted = Penalties {
-        p1: dearer(penalties.p1) as u8,
-        p2: dearer(penalties.p2) as u8,
-        p2_least: dearer(penalties.p2_least) as u8,
-        noise: (STEPS_OF_NOISE * noise).round_ties_even() as u8,
-        ..penalties
-    };
-    (adapted, noise::work(grey))
+    let steps = STEPS_OF_NOISE * (noise(grey) - LITTLE_NOISE).max(0.0);
+    (Penalties { noise: steps.round_ties_even() as u8, ..penalties }, noise::work(grey))
 }
 
 at_every_level! {
@@ -575,7 +562,7 @@ mod tests {
     }
 
     #[test]
-    fn in_a_noisy_image_alone_changes_cost_more_and_steps_of_grey_count_less() {
+    fn steps_of_grey_count_less_in_a_noisy_image_alone() {
         let with_noise = |most: f32| {
             let mut chance = Chance(2);
             let grey =
@@ -588,10 +575,7 @@ mod tests {
         // One of 17.
         let noisy = with_noise(60.0);
         assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
-        assert_eq!(noisy.fall, BALANCED.fall);
-        // By four for each of some 13 beyond the 4 of textures, but not beyond what states have room for.
-        assert!((60..=76).contains(&noisy.p1) && (52..=68).contains(&noisy.p2_least), "{noisy:?}");
-        assert_eq!(noisy.p2, 100);
+        assert_eq!(Penalties { noise: 0, ..noisy }, BALANCED);
         let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
         let flat = Plane::filled(90, 60, 7);
         assert_eq!(penalties(without, BALANCED, flat.view()).0.fall, 0);
