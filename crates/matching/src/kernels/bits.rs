@@ -55,11 +55,7 @@ mod x86 {
                 let ab = _mm256_packus_epi16(self.of_halves(word, a), self.of_halves(word, b));
                 let cd = _mm256_packus_epi16(self.of_halves(word, c), self.of_halves(word, d));
                 let weight = _mm256_set1_epi16(weight as i16);
-                let weigh = |halves| {
-                    let bits = _mm256_maddubs_epi16(halves, _mm256_set1_epi8(1));
-                    _mm256_srli_epi16::<6>(_mm256_mullo_epi16(bits, weight))
-                };
-                let all = _mm256_packus_epi16(weigh(ab), weigh(cd));
+                let all = _mm256_packus_epi16(self.of_words(ab, weight), self.of_words(cd, weight));
                 let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
                 transmute::<__m256i, [u8; LANES]>(_mm256_permutevar8x32_epi32(all, order))
             }
@@ -82,6 +78,16 @@ mod x86 {
                 let low = _mm256_shuffle_epi8(table, low);
                 let bits = _mm256_add_epi8(low, _mm256_shuffle_epi8(table, high));
                 _mm256_maddubs_epi16(bits, _mm256_set1_epi8(1))
+            }
+        }
+
+        /// What comes of the words whose halves these are.
+        #[inline(always)]
+        fn of_words(self, halves: __m256i, weight: __m256i) -> __m256i {
+            // SAFETY: as above.
+            unsafe {
+                let bits = _mm256_maddubs_epi16(halves, _mm256_set1_epi8(1));
+                _mm256_srli_epi16::<6>(_mm256_mullo_epi16(bits, weight))
             }
         }
     }
