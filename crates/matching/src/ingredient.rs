@@ -11,6 +11,8 @@ use crate::{MatchError, Preset};
 pub enum Ingredient {
     /// Vertical disparity found and taken out of the right image.
     VerticalAlignment,
+    /// Both images smoothed where they are noisy.
+    NoiseSmoothing,
     /// Differences of grey steps in the cost.
     Gradient,
     /// A large penalty that falls with the grey step.
@@ -48,8 +50,9 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// In the order of the stages.
-const BALANCED: [Ingredient; 13] = [
+const BALANCED: [Ingredient; 14] = [
     VerticalAlignment,
+    NoiseSmoothing,
     Gradient,
     AdaptiveP2,
     SubPixel,
@@ -64,7 +67,8 @@ const BALANCED: [Ingredient; 13] = [
     PathMargin,
 ];
 
-/// All of them but `Interpolation`: what it closes judges close better.
+/// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
+/// and judges see more in the noise than in what smoothing leaves.
 const BEST: [Ingredient; 16] = [
     VerticalAlignment,
     Gradient,
@@ -115,6 +119,11 @@ impl Ingredient {
                 "vertical-alignment",
                 "vertical disparity that rectification left is found and taken out of the right image",
                 "rows as they are",
+            ),
+            NoiseSmoothing => (
+                "noise-smoothing",
+                "both images are smoothed by a mask of 3 x 3 where they are noisy",
+                "images as they are",
             ),
             Gradient => {
                 ("gradient", "differences of grey steps beside the census", "the census alone")
@@ -261,7 +270,7 @@ mod tests {
         assert!(BALANCED.into_iter().filter(both).eq(BEST.into_iter().filter(both)));
         let error = "salt".parse::<Ingredient>().unwrap_err().to_string();
         assert!(
-            error.contains("`salt`, but it must be one of vertical-alignment, gradient, "),
+            error.contains("`salt`, but it must be one of vertical-alignment, noise-smoothing, "),
             "{error}"
         );
     }

@@ -1,6 +1,6 @@
 //! What every matcher promises of its answers, on images of any size and ranges of any kind.
 
-use matching::{Holes, Matcher, Options, Preset};
+use matching::{Holes, Ingredient, Matcher, Options, Preset};
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Plane, Reason};
 
 /// Texture that repeats nowhere nearby.
@@ -214,4 +214,30 @@ fn a_thin_thing_that_is_nearer_than_all_else_is_seen() {
             assert!(seen * 10 > all * 8, "{preset} sees {seen} pixels of the {name}'s {all}");
         }
     }
+}
+
+#[test]
+fn a_noisy_pair_is_matched_better_smoothed() {
+    // A plane of gentle waves, seen by two noisy cameras.
+    let (columns, rows, shift) = (200, 120, 12);
+    let images = [0, 1].map(|view| {
+        Image::Grey8(Plane::from_fn(columns, rows, |x, y| {
+            let (u, v) = ((x + shift * view) as f32, y as f32);
+            let waves =
+                (0.41 * u + 0.2 * v).sin() + (0.33 * v - 0.27 * u).sin() + (0.013 * u * v).sin();
+            let seen = |dx: i64| i64::from(texture(x as i64 + dx, y as i64 + 9000 * view as i64));
+            let noise: i64 = (0..8).map(|i| seen(5000 * i) - 127).sum();
+            (120.0 + 2.5 * waves + 0.04 * noise as f32).clamp(0.0, 255.0) as u8
+        }))
+    });
+    let right = |without: &[Ingredient]| {
+        let mut options = options(Preset::Balanced, (0, 31));
+        options.without = without.to_vec();
+        let map = compute(options, &images, None);
+        let values = map.values.samples();
+        values.iter().filter(|&&value| (value - shift as f32).abs() < 1.0).count()
+    };
+    let [smoothed, as_it_is] = [right(&[]), right(&[Ingredient::NoiseSmoothing])];
+    let all = columns * rows;
+    assert!(smoothed > as_it_is + all / 10, "{smoothed} and {as_it_is} of {all}");
 }

@@ -7,3 +7,14 @@ pub(crate) mod gradient;
 pub(crate) mod grey;
 pub(crate) mod noise;
 pub(crate) mod prefilter;
+pub(crate) mod smoothing;
+
+use raster::Plane;
+
+/// Gives a plane its size; what stands in it does not matter.
+pub(crate) fn take<T: Copy + Default>(plane: &mut Plane<T>, (columns, rows): (usize, usize)) {
+    if plane.size() != (columns, rows) {
+        // Zeros that nobody has written to yet take no memory.
+        *plane = Plane::filled(columns, rows, T::default());
+    }
+}

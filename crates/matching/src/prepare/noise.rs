@@ -8,7 +8,8 @@
 //!
 //! is zero on planes of grey and along level and upright edges, and noise of standard deviation `s` gives
 //! it one of `6 s`. Texture makes it large, so the estimate is taken from the quarter of the pixels where
-//! it is smallest.
+//! it is smallest. Where all of an image is as fine as gravel it is taken for noise all the same; what two
+//! images share is not (`alignment`).
 
 use raster::View;
 

@@ -78,6 +78,10 @@ impl Needs {
             false => images,
             true => images + Alignment::bytes(width, height, frame.range, deep),
         };
+        let images = match ingredients.has(Ingredient::NoiseSmoothing) {
+            false => images,
+            true => images + 2 * all,
+        };
         let flat = if ingredients.has(Ingredient::Gradient) { 0 } else { all };
         // Census words and steps of both, the right ones between margins; descriptors, and where they
         // are asked for.

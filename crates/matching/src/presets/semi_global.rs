@@ -21,8 +21,10 @@ use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::{Alignment, VerticalDisparity};
-use crate::prepare::grey::GreyBuffer;
+use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::prepare::noise::{self, noise};
+use crate::prepare::smoothing::{self, smooth};
+use crate::prepare::take;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::plane_fill::fill;
@@ -36,10 +38,12 @@ use crate::{MatchError, Preset};
 /// What changes of disparity cost in either preset; in a noisy image its steps count less ([`penalties`]).
 const BALANCED: Penalties = Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 };
 const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 };
+/// Images with noise of a larger standard deviation than this, in grey levels, are smoothed.
+const NOISY: f32 = 1.8;
 /// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
 /// noise of up to this standard deviation where images are clean.
 const STEPS_OF_NOISE: f32 = 3.0;
-const LITTLE_NOISE: f32 = 4.0;
+const LITTLE_NOISE: f32 = 3.3;
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
@@ -64,6 +68,8 @@ pub(crate) struct SemiGlobalMatching {
     level: Level,
     buffers: [GreyBuffer; 2],
     alignment: Alignment,
+    /// Both images, if they are noisy.
+    smoothed: [Plane<u8>; 2],
     /// What was taken out of the right image of the last frame.
     vertical: Option<VerticalDisparity>,
     features: FeaturePair,
@@ -114,6 +120,7 @@ impl SemiGlobalMatching {
             memory,
             buffers: Default::default(),
             alignment: Alignment::default(),
+            smoothed: Default::default(),
             vertical: None,
             features: FeaturePair::default(),
             doubtful: Plane::default(),
@@ -132,16 +139,12 @@ impl SemiGlobalMatching {
 }
 
 /// What changes of disparity cost in an image: the more noisy it is, the less its steps of grey count.
-fn penalties(
-    ingredients: Ingredients,
-    penalties: Penalties,
-    grey: raster::View<'_, u8>,
-) -> (Penalties, Work) {
+fn penalties(ingredients: Ingredients, penalties: Penalties, noise: f32) -> Penalties {
     if !ingredients.has(Ingredient::AdaptiveP2) {
-        return (Penalties { fall: 0, ..penalties }, Work::default());
+        return Penalties { fall: 0, ..penalties };
     }
-    let steps = STEPS_OF_NOISE * (noise(grey) - LITTLE_NOISE).max(0.0);
-    (Penalties { noise: steps.round_ties_even() as u8, ..penalties }, noise::work(grey))
+    let steps = STEPS_OF_NOISE * (noise - LITTLE_NOISE).max(0.0);
+    Penalties { noise: steps.round_ties_even() as u8, ..penalties }
 }
 
 at_every_level! {
@@ -435,7 +438,7 @@ impl Pipeline for SemiGlobalMatching {
             .map(|(buffer, image)| buffer.with_upper_bits(self.level, image));
         let (mut views, mut grey) = (both.map(|(view, _)| view), both.map(|(_, grey)| grey));
         let [of_left, of_right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
-        let mut made_grey = of_left + of_right;
+        let mut made_grey = of_left + of_right + noise::work(grey[0]);
 
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
@@ -443,13 +446,30 @@ impl Pipeline for SemiGlobalMatching {
         let (ingredients, level) = (self.ingredients, self.level);
         let mut alignment = std::mem::take(&mut self.alignment);
         self.vertical = None;
+        // Texture as fine as noise passes for it in one image, but both images show the same texture.
+        let mut noise = noise(grey[0]);
         if space.count > 0 && ingredients.has(Ingredient::VerticalAlignment) {
             let aligned = alignment.align(level, grey[0], views[1], grey[1], frame.range);
             (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
+            noise = aligned.noise.map_or(noise, |of_pair| of_pair.min(noise));
             made_grey = made_grey + aligned.done;
         }
-        let (penalties, looked) = penalties(ingredients, self.penalties, grey[0]);
-        profile.end("grey, vertical alignment, noise", made_grey + looked);
+        let mut smoothed = std::mem::take(&mut self.smoothed);
+        if ingredients.has(Ingredient::NoiseSmoothing) {
+            smoothed.iter_mut().for_each(|smoothed| take(smoothed, (width, height)));
+            if noise > NOISY {
+                for (smoothed, grey) in smoothed.iter_mut().zip(&grey) {
+                    made_grey = made_grey + smoothing::work(*grey);
+                    smooth(level, *grey, smoothed);
+                }
+                grey = smoothed.each_ref().map(Plane::view);
+                views = grey.map(GreyView::Depth8);
+                // Steps of grey need not be freed from what is left of it.
+                noise = 0.0;
+            }
+        }
+        let penalties = penalties(ingredients, self.penalties, noise);
+        profile.end("grey, vertical alignment, noise", made_grey);
         let search = Search {
             ingredients,
             level,
@@ -534,7 +554,7 @@ impl Pipeline for SemiGlobalMatching {
         map.values.fill_around(bounds, f32::NAN);
         map.reasons.fill_around(bounds, Reason::OutsideBox);
         map.confidence.fill_around(bounds, 0.0);
-        (self.buffers, self.alignment) = (buffers, alignment);
+        (self.buffers, self.alignment, self.smoothed) = (buffers, alignment, smoothed);
         Ok(())
     }
 }
@@ -567,7 +587,7 @@ mod tests {
             let mut chance = Chance(2);
             let grey =
                 Plane::from_fn(90, 60, |x, _| (90.0 + x as f32 + most * chance.share()) as u8);
-            penalties(Ingredients::of(Preset::Balanced, &[]), BALANCED, grey.view()).0
+            penalties(Ingredients::of(Preset::Balanced, &[]), BALANCED, noise(grey.view()))
         };
         assert_eq!(with_noise(0.0), BALANCED);
         // A deviation of 3: what texture is taken for.
@@ -577,7 +597,6 @@ mod tests {
         assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
         assert_eq!(Penalties { noise: 0, ..noisy }, BALANCED);
         let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
-        let flat = Plane::filled(90, 60, 7);
-        assert_eq!(penalties(without, BALANCED, flat.view()).0.fall, 0);
+        assert_eq!(penalties(without, BALANCED, 7.0).fall, 0);
     }
 }

@@ -41,6 +41,9 @@ const APART: usize = 3;
 /// Correlation at the end of the track.
 const TRACKED: f32 = 0.9;
 const STEPS: usize = 8;
+/// What smoothing leaves of the variance of noise that differs from pixel to pixel, in the difference of two
+/// windows: 9/64 in one at whole pixels, and 64/81 of that, on the average, in one between them.
+const NOISE_LEFT: f32 = 9.0 / 64.0 * (1.0 + 64.0 / 81.0);
 /// A last step below this ends the track, one above this many pixels means that it was lost.
 const STILL: f32 = 0.01;
 const LOST: f32 = 0.1;
@@ -56,13 +59,15 @@ const _: () = assert!(MARGIN > BEFORE + AROUND && MARGIN > ABOVE + AROUND);
 type Lanes = [f32; WIDE];
 type Window = [Lanes; TALL];
 
-/// The column in which a corner stands in the right image, its row in the left one, and how many rows
-/// lower it stands in the right one.
+/// The column in which a corner stands in the right image, its row in the left one, how many rows lower it
+/// stands in the right one, and by how much it does not look alike: as if by noise of this standard
+/// deviation, in grey levels of the left image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Correspondence {
     pub column: f32,
     pub row: f32,
     pub down: f64,
+    pub noise: f32,
 }
 
 /// Scratch memory: how alike the places of a row are.
@@ -116,10 +121,10 @@ at_every_level! {
         let corner = corner(left, cell)?;
         let (window, _) = normalised(window(left, corner))?;
         let start = find(&window, right, corner, range, scores)?;
-        let (along, down) = track(left, corner, right, start)?;
+        let (along, down, noise) = track(left, corner, right, start)?;
         let column = start.x as f32 + along;
         let down = start.y as f32 + down - corner.y as f32;
-        Some(Correspondence { column, row: corner.y as f32, down: f64::from(down) })
+        Some(Correspondence { column, row: corner.y as f32, down: f64::from(down), noise })
     }
 }
 
@@ -386,14 +391,15 @@ fn between(rich: &Rich, along: f32, down: f32) -> Window {
     window
 }
 
-/// How far from `start` the window around `corner` is found, to the right and down.
+/// How far from `start` the window around `corner` is found, to the right and down, and the noise by which
+/// they differ.
 #[inline(always)]
 fn track(
     left: View<'_, u8>,
     corner: Place,
     right: View<'_, u8>,
     start: Place,
-) -> Option<(f32, f32)> {
+) -> Option<(f32, f32, f32)> {
     let rich = smoothed(left, corner);
     let (wanted, scale) = normalised(between(&rich, 0.0, 0.0))?;
     let (mut along, mut down) = ([[0.0; WIDE]; TALL], [[0.0; WIDE]; TALL]);
@@ -435,7 +441,9 @@ fn track(
             break;
         }
     }
-    (last < LOST && alike > TRACKED).then_some((x, y))
+    // Both have squares that add to 1.
+    let difference = 2.0 * (1.0 - alike).max(0.0) / (scale * scale * (WIDE * TALL) as f32);
+    (last < LOST && alike > TRACKED).then_some((x, y, (difference / NOISE_LEFT).sqrt()))
 }
 
 /// The sum of products of two windows.

@@ -10,6 +10,8 @@
 //! 2. A smooth model is fitted to how far they stand above or below their row ([`model`]).
 //! 3. Where that comes to something, every pixel of the right image is taken from there ([`resample`]).
 //!
+//! What the windows of a corner do not share once it is found is the noise of both images.
+//!
 //! What is found depends on both whole images and the range, not on the box. Corners are sought in the
 //! upper 8 bits: where images of 16 bits use few of them there are none. Rows that a mended image would
 //! need from beyond its ends repeat its last ones.
@@ -26,6 +28,7 @@ pub use self::model::VerticalDisparity;
 use self::resample::{resample_8_bit, resample_16_bit};
 use crate::kernels::level::Level;
 use crate::prepare::grey::{GreyView, upper_bits};
+use crate::prepare::take;
 use crate::profile::Work;
 
 /// About so many corners are looked for.
@@ -33,6 +36,8 @@ const CORNERS: usize = 300;
 /// Smaller vertical disparities (root of the mean square over the image, in pixels) are left alone:
 /// taking them out blurs more than it mends.
 const LEAST: f64 = 0.1;
+/// Noise is what one in so many of the corners is below.
+const MOST_ALIKE: usize = 10;
 
 /// The memory of the alignment, kept between frames.
 #[derive(Debug, Default)]
@@ -40,6 +45,7 @@ pub(crate) struct Alignment {
     /// What was found in each cell of the left image.
     found: Vec<Option<Correspondence>>,
     residuals: Vec<f64>,
+    noises: Vec<f32>,
     /// One for each thread.
     scores: Vec<Scores>,
     depth8: Plane<u8>,
@@ -47,11 +53,13 @@ pub(crate) struct Alignment {
     upper: Plane<u8>,
 }
 
-/// The right image as it should be, its upper 8 bits, and what was taken out of it.
+/// The right image as it should be, its upper 8 bits, what was taken out of it, and the noise of the pair: the
+/// standard deviation, in grey levels, of what corners do not look alike by. Without any nobody knows.
 pub(crate) struct Aligned<'a> {
     pub grey: GreyView<'a>,
     pub upper: View<'a, u8>,
     pub vertical: Option<VerticalDisparity>,
+    pub noise: Option<f32>,
     pub done: Work,
 }
 
@@ -60,7 +68,8 @@ impl Alignment {
     /// upper bits where it has 16.
     pub fn bytes(columns: usize, rows: usize, range: DisparityRange, deep: bool) -> usize {
         let (across, down) = cells(columns, rows);
-        let corners = across * down * (size_of::<Option<Correspondence>>() + size_of::<f64>());
+        let corner = size_of::<Option<Correspondence>>() + size_of::<f64>() + size_of::<f32>();
+        let corners = across * down * corner;
         let image = if deep { 3 } else { 1 } * columns * rows;
         image + corners + rayon::current_num_threads() * Scores::bytes(columns, range)
     }
@@ -78,10 +87,11 @@ impl Alignment {
         let (columns, rows) = (left.columns(), left.rows());
         self.reserve(grey, range);
         let (vertical, looked) = self.measure(level, [left, upper], range);
+        let noise = self.noise();
         let vertical = vertical.filter(|vertical| vertical.root_mean_square() >= LEAST);
         let Self { depth8, depth16, upper: upper_plane, .. } = self;
         let Some(vertical) = vertical else {
-            return Aligned { grey, upper, vertical: None, done: looked };
+            return Aligned { grey, upper, vertical: None, noise, done: looked };
         };
         let done = looked
             + (Work::bytes(2 * grey.bytes(1)) + Work::operations(resample::OPERATIONS * columns))
@@ -102,7 +112,7 @@ impl Alignment {
                 (GreyView::Depth16(depth16.view()), upper_plane.view())
             }
         };
-        Aligned { grey, upper, vertical: Some(vertical), done }
+        Aligned { grey, upper, vertical: Some(vertical), noise, done }
     }
 
     /// Takes all the memory that images of this size and depth may need: that it is first needed some
@@ -110,11 +120,13 @@ impl Alignment {
     fn reserve(&mut self, grey: GreyView<'_>, range: DisparityRange) {
         let (columns, rows) = grey.size();
         let (across, down) = cells(columns, rows);
-        let Self { found, residuals, scores, depth8, depth16, upper } = self;
+        let Self { found, residuals, noises, scores, depth8, depth16, upper } = self;
         found.clear();
         found.resize(across * down, None);
         residuals.clear();
         residuals.reserve_exact(across * down);
+        noises.clear();
+        noises.reserve_exact(across * down);
         scores.resize_with(rayon::current_num_threads(), Scores::default);
         scores.iter_mut().for_each(|scores| scores.reserve(columns, range));
         match grey {
@@ -124,6 +136,15 @@ impl Alignment {
                 take(upper, (columns, rows));
             }
         }
+    }
+
+    /// The noise of the corners that were found: of those that look most alike, since in other windows there is
+    /// more than one depth.
+    fn noise(&mut self) -> Option<f32> {
+        let Self { found, noises, .. } = self;
+        noises.extend(found.iter().flatten().map(|corner| corner.noise));
+        let most_alike = noises.len() / MOST_ALIKE;
+        (!noises.is_empty()).then(|| *noises.select_nth_unstable_by(most_alike, f32::total_cmp).1)
     }
 
     /// The vertical disparity that corners of the left image show.
@@ -156,14 +177,6 @@ impl Alignment {
         let work = correspondence::looked() * found.len()
             + correspondence::work(columns, range) * followed.clone().count();
         (VerticalDisparity::fit(followed, (columns, rows), residuals), work)
-    }
-}
-
-/// Gives a plane its size; what stands in it does not matter.
-fn take<T: Copy + Default>(plane: &mut Plane<T>, (columns, rows): (usize, usize)) {
-    if plane.size() != (columns, rows) {
-        // Zeros that nobody has written to yet take no memory.
-        *plane = Plane::filled(columns, rows, T::default());
     }
 }
 
@@ -220,6 +233,36 @@ mod tests {
         let differences =
             a.samples().iter().zip(b.samples()).map(|(a, b)| f64::from(a.abs_diff(*b)));
         differences.sum::<f64>() / a.samples().len() as f64
+    }
+
+    #[test]
+    fn noise_is_what_two_images_do_not_share() {
+        let range = DisparityRange::new(-30, 30).unwrap();
+        let found = |[left, right]: &[Plane<u8>; 2]| {
+            let (left, right) = (left.view(), right.view());
+            let mut alignment = Alignment::default();
+            alignment.align(Level::detect(), left, GreyView::Depth8(right), right, range).noise
+        };
+        let mut chance = Chance(6);
+        for deviation in [1.5, 5.0, 12.0] {
+            let noisy = pair(|_, _| 0.0).map(|image| {
+                image.map(|&sample| {
+                    let normal = (0..12).map(|_| chance.share()).sum::<f32>() - 6.0;
+                    (f32::from(sample) + deviation * normal).round().clamp(0.0, 255.0) as u8
+                })
+            });
+            let found = found(&noisy).expect("there are corners");
+            // Rather less, since what is found to look alike does so by chance too.
+            assert!((0.75..1.1).contains(&(found / deviation)), "{deviation}: {found}");
+        }
+        // Gravel, as fine as noise.
+        let gravel = Plane::from_fn(209, 160, |_, _| chance.bits(7) as u8);
+        let [left, right] = [0, 9].map(|x| Plane::from_fn(200, 160, |u, v| gravel.row(v)[u + x]));
+        let alone = crate::prepare::noise::noise(left.view());
+        let of_pair = found(&[left, right]).expect("there are corners");
+        assert!(alone > 20.0 && of_pair < 1.0, "{alone}, {of_pair}");
+        let flat = || Plane::filled(200, 160, 90);
+        assert_eq!(found(&[flat(), flat()]), None);
     }
 
     #[test]

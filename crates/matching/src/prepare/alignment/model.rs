@@ -212,7 +212,7 @@ mod tests {
             let is_wrong = chance.share() < wrong;
             let down =
                 truth().at(f64::from(x), f64::from(y)) + noise * if is_wrong { 8.0 } else { 0.2 };
-            Correspondence { column: x, row: y, down }
+            Correspondence { column: x, row: y, down, noise: 0.0 }
         };
         (0..count).map(|_| one()).collect()
     }

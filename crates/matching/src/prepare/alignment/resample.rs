@@ -145,7 +145,7 @@ mod tests {
         let found: Vec<_> = (0..100)
             .map(|i| {
                 let (column, row) = ((i % 10 * size.0 / 10) as f32, (i / 10 * size.1 / 10) as f32);
-                Correspondence { column, row, down }
+                Correspondence { column, row, down, noise: 0.0 }
             })
             .collect();
         VerticalDisparity::fit(found.iter(), size, &mut Vec::new()).expect("all agree")
