@@ -106,6 +106,9 @@ pub(crate) type Numbers = [i16; 2 * LANES];
 
 /// What adds pairs of products at one level.
 pub(crate) trait Products: Bits {
+    /// Whether registers hold more than eight sums for each lane.
+    const ROOMY: bool;
+
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
 
@@ -132,6 +135,8 @@ impl Bits for Plain {}
 
 #[cfg(any(test, not(target_arch = "x86_64")))]
 impl Products for Plain {
+    const ROOMY: bool = false;
+
     #[inline(always)]
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
         for (sum, &own) in sums.iter_mut().zip(own) {
@@ -234,6 +239,9 @@ mod x86 {
             }
 
             impl Products for $name {
+                // Vectors of as many bytes as there are come with twice as many registers.
+                const ROOMY: bool = Self::PARTS == 1;
+
                 #[inline(always)]
                 fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
                     // SAFETY: as in `add_parts`.

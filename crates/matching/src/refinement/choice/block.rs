@@ -356,7 +356,7 @@ impl Block {
 
     /// Counts the candidates that say the same, each weighed by how far it is to be heard.
     #[inline(always)]
-    fn count_votes(&mut self, products: impl Products) {
+    fn count_votes<P: Products>(&mut self, products: P) {
         let n = self.places.len();
         let mut all = [[0; LANES]; VOTES];
         for i in 0..n / 2 {
@@ -371,8 +371,14 @@ impl Block {
         for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
             let [one, two] = self.relations.of(i);
             let (others, heard) = (self.relations.pairs(), &self.heard);
-            *votes =
-                [votes_of(products, &one, others, heard), votes_of(products, &two, others, heard)];
+            // What the others say is read once for both.
+            *votes = if P::ROOMY {
+                votes_of(products, [&one, &two], others, heard)
+            } else {
+                let [one] = votes_of(products, [&one], others, heard);
+                let [two] = votes_of(products, [&two], others, heard);
+                [one, two]
+            };
         }
         for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {
@@ -434,23 +440,24 @@ impl Block {
     }
 }
 
-/// How many of the others say the same as a candidate.
+/// How many of the others say the same as each candidate.
 #[inline(always)]
-fn votes_of(
+fn votes_of<const N: usize>(
     products: impl Products,
-    candidate: &Numbers,
+    candidates: [&Numbers; N],
     others: &[Numbers],
     heard: &[[Numbers; VOTES]],
-) -> [Sums; VOTES] {
-    let [mut a, mut b, mut c, mut d] = [[0; LANES]; VOTES];
+) -> [[Sums; VOTES]; N] {
+    let mut votes = [[[0; LANES]; VOTES]; N];
     for (other, heard) in others.iter().zip(heard) {
-        let same = say_the_same(candidate, other);
-        products.add_each(&mut a, &same, &heard[0]);
-        products.add_each(&mut b, &same, &heard[1]);
-        products.add_each(&mut c, &same, &heard[2]);
-        products.add_each(&mut d, &same, &heard[3]);
+        for (votes, candidate) in votes.iter_mut().zip(candidates) {
+            let same = say_the_same(candidate, other);
+            for (sums, heard) in votes.iter_mut().zip(heard) {
+                products.add_each(sums, &same, heard);
+            }
+        }
     }
-    [a, b, c, d]
+    votes
 }
 
 /// Differences of disparity as a judge sees them: what is large counts less.
