@@ -74,7 +74,10 @@ fn what_cannot_be_left_out_is_told_with_what_can() {
     let folder = tempfile::tempdir().unwrap();
     data(folder.path());
     for (arguments, words) in [
-        ("engine --matcher best --without salt", "it must be one of vertical-alignment,"),
+        (
+            "engine --matcher best --without salt",
+            "it must be one of vertical-alignment, noise-smoothing,",
+        ),
         ("engine --matcher balanced --without surface-prior", "`balanced` is made without it"),
         ("engine --matcher fast --without median", "nothing can be left out of `fast`"),
         ("bench --data data --ablation --matcher fast", "nothing can be left out of `fast`"),

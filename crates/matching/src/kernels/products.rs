@@ -239,7 +239,7 @@ mod x86 {
             }
 
             impl Products for $name {
-                // Vectors of as many bytes as there are come with twice as many registers.
+                // Where one vector holds all lanes there are twice as many registers.
                 const ROOMY: bool = Self::PARTS == 1;
 
                 #[inline(always)]

@@ -16,6 +16,9 @@ use rayon::prelude::*;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
+/// Images with noise of a larger standard deviation than this, in grey levels, are smoothed.
+pub(crate) const NOISY: f32 = 1.8;
+
 /// What [`smooth`] does: a byte is read and written for twelve operations of 16 bits.
 pub(crate) fn work(image: View<'_, u8>) -> Work {
     (Work::bytes(1 + 1) + Work::operations(12 * 2)) * (image.columns() * image.rows())

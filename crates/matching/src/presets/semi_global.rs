@@ -23,7 +23,7 @@ use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::{Alignment, VerticalDisparity};
 use crate::prepare::grey::{GreyBuffer, GreyView};
 use crate::prepare::noise::{self, noise};
-use crate::prepare::smoothing::{self, smooth};
+use crate::prepare::smoothing::{self, NOISY, smooth};
 use crate::prepare::take;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
@@ -38,8 +38,6 @@ use crate::{MatchError, Preset};
 /// What changes of disparity cost in either preset; in a noisy image its steps count less ([`penalties`]).
 const BALANCED: Penalties = Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 };
 const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 };
-/// Images with noise of a larger standard deviation than this, in grey levels, are smoothed.
-const NOISY: f32 = 1.8;
 /// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
 /// noise of up to this standard deviation where images are clean.
 const STEPS_OF_NOISE: f32 = 3.0;

@@ -44,8 +44,8 @@ const MOST_ALIKE: usize = 10;
 pub(crate) struct Alignment {
     /// What was found in each cell of the left image.
     found: Vec<Option<Correspondence>>,
+    /// Scratch memory: of the model's fit, then the noise of each corner.
     residuals: Vec<f64>,
-    noises: Vec<f32>,
     /// One for each thread.
     scores: Vec<Scores>,
     depth8: Plane<u8>,
@@ -68,8 +68,7 @@ impl Alignment {
     /// upper bits where it has 16.
     pub fn bytes(columns: usize, rows: usize, range: DisparityRange, deep: bool) -> usize {
         let (across, down) = cells(columns, rows);
-        let corner = size_of::<Option<Correspondence>>() + size_of::<f64>() + size_of::<f32>();
-        let corners = across * down * corner;
+        let corners = across * down * (size_of::<Option<Correspondence>>() + size_of::<f64>());
         let image = if deep { 3 } else { 1 } * columns * rows;
         image + corners + rayon::current_num_threads() * Scores::bytes(columns, range)
     }
@@ -120,13 +119,11 @@ impl Alignment {
     fn reserve(&mut self, grey: GreyView<'_>, range: DisparityRange) {
         let (columns, rows) = grey.size();
         let (across, down) = cells(columns, rows);
-        let Self { found, residuals, noises, scores, depth8, depth16, upper } = self;
+        let Self { found, residuals, scores, depth8, depth16, upper } = self;
         found.clear();
         found.resize(across * down, None);
         residuals.clear();
         residuals.reserve_exact(across * down);
-        noises.clear();
-        noises.reserve_exact(across * down);
         scores.resize_with(rayon::current_num_threads(), Scores::default);
         scores.iter_mut().for_each(|scores| scores.reserve(columns, range));
         match grey {
@@ -141,10 +138,11 @@ impl Alignment {
     /// The noise of the corners that were found: of those that look most alike, since in other windows there is
     /// more than one depth.
     fn noise(&mut self) -> Option<f32> {
-        let Self { found, noises, .. } = self;
-        noises.extend(found.iter().flatten().map(|corner| corner.noise));
-        let most_alike = noises.len() / MOST_ALIKE;
-        (!noises.is_empty()).then(|| *noises.select_nth_unstable_by(most_alike, f32::total_cmp).1)
+        let Self { found, residuals: noises, .. } = self;
+        noises.clear();
+        noises.extend(found.iter().flatten().map(|corner| f64::from(corner.noise)));
+        let place = noises.len() / MOST_ALIKE;
+        (!noises.is_empty()).then(|| *noises.select_nth_unstable_by(place, f64::total_cmp).1 as f32)
     }
 
     /// The vertical disparity that corners of the left image show.
