@@ -1,5 +1,5 @@
 //! What must be quick. One file per kernel: the scalar definition, the body that the compiler
-//! vectorises (in three of them, the vectors themselves), and the test that they agree bit for bit at
+//! vectorises (in four of them, the vectors themselves), and the test that they agree bit for bit at
 //! every level of the processor.
 
 pub(crate) mod ahead;
@@ -8,6 +8,7 @@ pub(crate) mod bits;
 pub(crate) mod border;
 pub mod level;
 pub(crate) mod median;
+pub(crate) mod nearness;
 pub(crate) mod path;
 pub(crate) mod products;
 pub(crate) mod rounding;

@@ -15,6 +15,7 @@
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
 use super::bits::Bits;
+use super::nearness::Nearness;
 use super::rounding::nearest;
 
 /// Sums that are kept together.
@@ -104,11 +105,11 @@ pub(crate) fn packed(one: i32, other: i32) -> i32 {
 /// The pairs of all sums, number by number.
 pub(crate) type Numbers = [i16; 2 * LANES];
 
-/// What adds pairs of products at one level.
-pub(crate) trait Products: Bits {
-    /// Whether registers hold more than eight sums for each lane.
-    const ROOMY: bool;
+/// A whole number for each lane.
+pub(crate) type Sums = [i32; LANES];
 
+/// What adds pairs of products at one level.
+pub(crate) trait Products: Bits + Nearness {
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
 
@@ -120,9 +121,6 @@ pub(crate) trait Products: Bits {
         shared: &[[Pair; N]],
         own: &[[i32; LANES]],
     );
-
-    /// Adds to each sum both products of its own pairs with each other.
-    fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers);
 }
 
 /// The definition, which the compiler vectorises where nothing better is written out.
@@ -135,8 +133,6 @@ impl Bits for Plain {}
 
 #[cfg(any(test, not(target_arch = "x86_64")))]
 impl Products for Plain {
-    const ROOMY: bool = false;
-
     #[inline(always)]
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
         for (sum, &own) in sums.iter_mut().zip(own) {
@@ -156,15 +152,6 @@ impl Products for Plain {
             for (sums, shared) in sums.iter_mut().zip(shared) {
                 self.add(sums, *shared, own);
             }
-        }
-    }
-
-    #[inline(always)]
-    fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
-        let pairs = one.as_chunks::<2>().0.iter().zip(other.as_chunks::<2>().0);
-        for (sum, (one, other)) in sums.iter_mut().zip(pairs) {
-            let products = [0, 1].map(|i| i32::from(one[i]) * i32::from(other[i]));
-            *sum += products[0] + products[1];
         }
     }
 }
@@ -194,7 +181,7 @@ mod x86 {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{LANES, Numbers, Pair, Products};
+    use super::{LANES, Pair, Products};
 
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
@@ -213,42 +200,36 @@ mod x86 {
             }
 
             impl $name {
-                const PARTS: usize = size_of::<[i32; LANES]>() / size_of::<$sums>();
+                /// How many vectors the sums of all lanes are.
+                pub(in crate::kernels) const PARTS: usize =
+                    size_of::<[i32; LANES]>() / size_of::<$sums>();
 
-                /// Adds to sums the products of two vectors for each part of them.
+                /// Sums, and the products of two vectors.
                 #[inline(always)]
-                fn add_parts(
+                pub(in crate::kernels) fn plus(
                     self,
-                    sums: &mut [i32; LANES],
-                    one: [$sums; Self::PARTS],
-                    other: [$sums; Self::PARTS],
-                ) {
-                    // SAFETY: whoever made `self` vouched for the instructions, and both sides of a
-                    // transmutation are plain numbers of the same size.
-                    unsafe {
-                        let mut parts: [$sums; Self::PARTS] = transmute(*sums);
-                        for (part, ($one, $other)) in
-                            parts.iter_mut().zip(one.into_iter().zip(other))
-                        {
-                            let $sum = *part;
-                            *part = $add;
-                        }
-                        *sums = transmute::<[$sums; Self::PARTS], [i32; LANES]>(parts);
-                    }
+                    $sum: $sums,
+                    $one: $sums,
+                    $other: $sums,
+                ) -> $sums {
+                    // SAFETY: whoever made `self` vouched for the instructions.
+                    unsafe { $add }
                 }
             }
 
             impl Products for $name {
-                // Where one vector holds all lanes there are twice as many registers.
-                const ROOMY: bool = Self::PARTS == 1;
-
                 #[inline(always)]
                 fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
-                    // SAFETY: as in `add_parts`.
-                    let shared = unsafe { $same(transmute::<Pair, i32>(shared)) };
-                    // SAFETY: the same.
-                    let own = unsafe { transmute::<[i32; LANES], [$sums; Self::PARTS]>(*own) };
-                    self.add_parts(sums, [shared; Self::PARTS], own);
+                    // SAFETY: as in `plus`, and both sides of a transmutation are plain numbers of the same size.
+                    unsafe {
+                        let shared = $same(transmute::<Pair, i32>(shared));
+                        let own = transmute::<[i32; LANES], [$sums; Self::PARTS]>(*own);
+                        let mut parts: [$sums; Self::PARTS] = transmute(*sums);
+                        for (part, own) in parts.iter_mut().zip(own) {
+                            *part = self.plus(*part, shared, own);
+                        }
+                        *sums = transmute::<[$sums; Self::PARTS], [i32; LANES]>(parts);
+                    }
                 }
 
                 #[inline(always)]
@@ -259,19 +240,17 @@ mod x86 {
                     own: &[[i32; LANES]],
                 ) {
                     for part in 0..Self::PARTS {
-                        // SAFETY: as in `add_parts`; a part lies within its sixteen numbers.
+                        // SAFETY: as in `plus`; a part lies within its sixteen numbers.
                         unsafe {
                             let mut parts = [$same(0); N];
                             for (part_of, sums) in parts.iter_mut().zip(&*sums) {
                                 *part_of = sums.as_ptr().cast::<$sums>().add(part).read_unaligned();
                             }
                             for (shared, own) in shared.iter().zip(own) {
-                                let $other =
-                                    own.as_ptr().cast::<$sums>().add(part).read_unaligned();
+                                let own = own.as_ptr().cast::<$sums>().add(part).read_unaligned();
                                 for (part_of, shared) in parts.iter_mut().zip(shared) {
-                                    let ($sum, $one) =
-                                        (*part_of, $same(transmute::<Pair, i32>(*shared)));
-                                    *part_of = $add;
+                                    let shared = $same(transmute::<Pair, i32>(*shared));
+                                    *part_of = self.plus(*part_of, shared, own);
                                 }
                             }
                             for (part_of, sums) in parts.iter().zip(&mut *sums) {
@@ -282,15 +261,6 @@ mod x86 {
                             }
                         }
                     }
-                }
-
-                #[inline(always)]
-                fn add_each(self, sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
-                    // SAFETY: as in `add_parts`.
-                    let one = unsafe { transmute::<Numbers, [$sums; Self::PARTS]>(*one) };
-                    // SAFETY: the same.
-                    let other = unsafe { transmute::<Numbers, [$sums; Self::PARTS]>(*other) };
-                    self.add_parts(sums, one, other);
                 }
             }
         };
@@ -338,32 +308,6 @@ mod tests {
             let mut sums = std::array::from_fn(|l| l as i32 - 7);
             add_all(level, &mut sums, &shared, &own);
             assert_eq!(sums, expected);
-        }
-    }
-
-    #[test]
-    fn sums_of_own_products_are_their_definition_at_every_level() {
-        at_every_level! {
-            fn add_own[products](sums: &mut [i32; LANES], one: &Numbers, other: &Numbers) {
-                products.add_each(sums, one, other);
-            }
-        }
-
-        let numbers = |seed: i32| -> Numbers {
-            std::array::from_fn(|i| ((seed + i as i32) * 7919 % 65_535 - 32_767) as i16)
-        };
-        let (one, other) = (numbers(3), numbers(11));
-        let expected: [i32; LANES] = std::array::from_fn(|l| {
-            let products = [2 * l, 2 * l + 1].map(|i| i64::from(one[i]) * i64::from(other[i]));
-            (products[0] + products[1] - 5) as i32
-        });
-        let mut plain = [-5; LANES];
-        Plain.add_each(&mut plain, &one, &other);
-        assert_eq!(plain, expected);
-        for level in Level::available() {
-            let mut sums = [-5; LANES];
-            add_own(level, &mut sums, &one, &other);
-            assert_eq!(sums, expected, "level {}", level.name());
         }
     }
 

@@ -10,20 +10,18 @@ use raster::{Plane, Reason, View};
 use super::edges::WAYS;
 use super::notes::Note;
 use super::reach::{MOST, Place, Reach};
-use super::relations::{Relations, in_turns, say_the_same};
+use super::relations::{Relations, SAME, in_turns};
 use super::slopes::{rise, steep};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
 use crate::kernels::level::Level;
-use crate::kernels::products::{Numbers, Products};
+use crate::kernels::products::{Numbers, Products, Sums};
 use crate::kernels::rounding::nearest;
 
 /// Pixels that are worked on together.
 pub(crate) const LANES: usize = 16;
 /// One number for each of them.
 pub(crate) type Lanes = [f32; LANES];
-/// A whole number for each of them.
-pub(super) type Sums = [i32; LANES];
 
 /// What is known of each candidate, in the order of [`Hints`].
 pub(super) const OF_EACH: usize = 20;
@@ -356,7 +354,7 @@ impl Block {
 
     /// Counts the candidates that say the same, each weighed by how far it is to be heard.
     #[inline(always)]
-    fn count_votes<P: Products>(&mut self, products: P) {
+    fn count_votes(&mut self, products: impl Products) {
         let n = self.places.len();
         let mut all = [[0; LANES]; VOTES];
         for i in 0..n / 2 {
@@ -370,15 +368,7 @@ impl Block {
         }
         for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
             let [one, two] = self.relations.of(i);
-            let (others, heard) = (self.relations.pairs(), &self.heard);
-            // What the others say is read once for both.
-            *votes = if P::ROOMY {
-                votes_of(products, [&one, &two], others, heard)
-            } else {
-                let [one] = votes_of(products, [&one], others, heard);
-                let [two] = votes_of(products, [&two], others, heard);
-                [one, two]
-            };
+            *votes = products.near([&one, &two], SAME, self.relations.pairs(), &self.heard);
         }
         for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {
@@ -438,26 +428,6 @@ impl Block {
         }
         hints[15] = *outside;
     }
-}
-
-/// How many of the others say the same as each candidate.
-#[inline(always)]
-fn votes_of<const N: usize>(
-    products: impl Products,
-    candidates: [&Numbers; N],
-    others: &[Numbers],
-    heard: &[[Numbers; VOTES]],
-) -> [[Sums; VOTES]; N] {
-    let mut votes = [[[0; LANES]; VOTES]; N];
-    for (other, heard) in others.iter().zip(heard) {
-        for (votes, candidate) in votes.iter_mut().zip(candidates) {
-            let same = say_the_same(candidate, other);
-            for (sums, heard) in votes.iter_mut().zip(heard) {
-                products.add_each(sums, &same, heard);
-            }
-        }
-    }
-    votes
 }
 
 /// Differences of disparity as a judge sees them: what is large counts less.

@@ -13,10 +13,10 @@
 //! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 
-use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL, Sums};
+use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL};
 use super::reach::{GROUP, MOST, Reach};
-use super::relations::{NO_NUMBERS, PARTS, apart, in_turns};
-use crate::kernels::products::{Numbers, Pair, Products, Weighing, packed, sample};
+use super::relations::{NO_NUMBERS, PARTS, in_turns};
+use crate::kernels::products::{Numbers, Pair, Products, Sums, Weighing, packed, sample};
 use crate::kernels::rounding::nearest;
 
 /// The most numbers that a layer has.
@@ -310,14 +310,8 @@ pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -
     for (i, expected) in expected[..n].as_chunks_mut::<GROUP>().0.iter_mut().enumerate() {
         let ([one, two], [three, four]) =
             (block.relations.of(2 * i), block.relations.of(2 * i + 1));
-        let [mut a, mut b, mut c, mut d] = [[0; LANES]; GROUP];
-        for (other, shares) in block.relations.pairs().iter().zip(&*shares) {
-            products.add_each(&mut a, &apart(&one, other, FAR_IN_PARTS), shares);
-            products.add_each(&mut b, &apart(&two, other, FAR_IN_PARTS), shares);
-            products.add_each(&mut c, &apart(&three, other, FAR_IN_PARTS), shares);
-            products.add_each(&mut d, &apart(&four, other, FAR_IN_PARTS), shares);
-        }
-        *expected = [a, b, c, d];
+        let candidates = [&one, &two, &three, &four];
+        *expected = products.apart(candidates, FAR_IN_PARTS, block.relations.pairs(), shares);
     }
     let mut least = [i32::MAX; LANES];
     for (k, (expected, inside)) in expected[..n].iter().zip(&block.inside).enumerate() {

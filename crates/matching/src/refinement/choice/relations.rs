@@ -3,9 +3,9 @@
 //!
 //! A vector holds two candidates of 16 pixels, in turns pixel by pixel, as sums of products take them.
 
-use super::block::{LANES, Lanes, Sums};
+use super::block::{LANES, Lanes};
 use super::reach::MOST;
-use crate::kernels::products::Numbers;
+use crate::kernels::products::{Numbers, Sums};
 use crate::kernels::rounding::nearest;
 
 /// Parts of a pixel of disparity.
@@ -14,7 +14,7 @@ pub(super) const PARTS: f32 = 64.0;
 /// any two then have 16 bits.
 const FARTHEST: f32 = 255.0;
 /// Candidates within so many parts say the same: a pixel.
-const SAME: i16 = PARTS as i16;
+pub(super) const SAME: i16 = PARTS as i16;
 
 pub(super) const NO_NUMBERS: Numbers = [0; 2 * LANES];
 
@@ -84,33 +84,6 @@ pub(super) fn in_turns(one: &Sums, other: &Sums) -> Numbers {
     numbers
 }
 
-/// How far a candidate lies from another one, in parts.
-#[inline(always)]
-fn off(one: i16, other: i16) -> i16 {
-    one.wrapping_sub(other).wrapping_abs()
-}
-
-/// How far candidates lie from others, in parts, but at most so far.
-#[inline(always)]
-pub(super) fn apart(one: &Numbers, other: &Numbers, most: i16) -> Numbers {
-    let mut apart = NO_NUMBERS;
-    for i in 0..2 * LANES {
-        let off = off(one[i], other[i]);
-        apart[i] = if off < most { off } else { most };
-    }
-    apart
-}
-
-/// 1 where candidates say what others say, else 0.
-#[inline(always)]
-pub(super) fn say_the_same(one: &Numbers, other: &Numbers) -> Numbers {
-    let mut same = NO_NUMBERS;
-    for i in 0..2 * LANES {
-        same[i] = i16::from(off(one[i], other[i]) < SAME);
-    }
-    same
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,12 +97,12 @@ mod tests {
         let [first, second] = relations.of(0);
         let pairs = relations.pairs();
         assert_eq!([first, second].map(|of| of[..2].to_vec()), [[0, 0], [32, 32]]);
-        assert_eq!(apart(&first, &pairs[0], 192)[6..8], [0, 32]);
-        assert_eq!(apart(&second, &pairs[2], 192)[30..], [192, 192]);
-        assert_eq!(say_the_same(&first, &pairs[1])[..2], [1, 0]);
-        // The farthest ones are not near to each other.
+        assert_eq!(pairs[0][6..8], [0, 32]);
+        // Those at 3.99 and 4.01: only one of them says the same as the first.
+        assert_eq!(pairs[1][..2], [63, 65]);
+        assert!(pairs[1][0] < SAME && pairs[1][1] >= SAME);
+        // The farthest ones are still within 16 bits of each other.
         let [low, high] = relations.of(2);
-        assert_eq!(apart(&low, &high, i16::MAX), [32_640; 2 * LANES]);
-        assert_eq!(say_the_same(&low, &pairs[2])[..2], [1, 0]);
+        assert_eq!(i32::from(high[3]) - i32::from(low[3]), 32_640);
     }
 }

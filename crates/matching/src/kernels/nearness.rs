@@ -1,0 +1,263 @@
+//! How near numbers of 16 bits lie to others, weighed: what the candidates of a pixel make of each other.
+//!
+//! ```text
+//! near_l  = sum of w_li over all i with |a_l - b_li| < within
+//! apart_l = sum of w_li min(|a_l - b_li|, most) over all i
+//! ```
+//!
+//! for 16 lanes; [`Numbers`] hold two `b` and `w` for each. Of plain loops the compiler writes what is compared to
+//! memory and reads it back at once, and waits for that: votes took three times as long. So all of it is written
+//! out per level, as [products](super::products) are.
+//!
+//! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
+
+use super::products::{LANES, Numbers, Sums};
+
+/// What compares numbers at one level. No two numbers differ by more than 16 bits with a sign hold.
+pub(crate) trait Nearness: Copy {
+    /// Of each of several numbers: the weights of those that are nearer than `within`, by several kinds of weights.
+    #[inline(always)]
+    fn near<const N: usize, const KINDS: usize>(
+        self,
+        numbers: [&Numbers; N],
+        within: i16,
+        others: &[Numbers],
+        weights: &[[Numbers; KINDS]],
+    ) -> [[Sums; KINDS]; N] {
+        numbers.map(|number| {
+            let mut sums = [[0; LANES]; KINDS];
+            for (other, weights) in others.iter().zip(weights) {
+                let near = |i: usize| number[i].wrapping_sub(other[i]).wrapping_abs() < within;
+                for (sums, weights) in sums.iter_mut().zip(weights) {
+                    for i in 0..2 * LANES {
+                        sums[i / 2] += if near(i) { i32::from(weights[i]) } else { 0 };
+                    }
+                }
+            }
+            sums
+        })
+    }
+
+    /// Of each of several numbers: how far others lie from it, but at most so far, times their weights.
+    #[inline(always)]
+    fn apart<const N: usize>(
+        self,
+        numbers: [&Numbers; N],
+        most: i16,
+        others: &[Numbers],
+        weights: &[Numbers],
+    ) -> [Sums; N] {
+        numbers.map(|number| {
+            let mut sums = [0; LANES];
+            for (other, weights) in others.iter().zip(weights) {
+                for i in 0..2 * LANES {
+                    let off = number[i].wrapping_sub(other[i]).wrapping_abs().min(most);
+                    sums[i / 2] += i32::from(weights[i]) * i32::from(off);
+                }
+            }
+            sums
+        })
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Nearness for super::products::Baseline {}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+impl Nearness for super::products::Plain {}
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code)]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use super::{LANES, Nearness, Numbers, Sums};
+    use crate::kernels::products::{Avx2, Avx512, Baseline};
+
+    macro_rules! nearness {
+        (
+            $level:ident, $part:ident, $same:ident, $subtract:ident, $largest:ident, $least:ident,
+            |$off:ident, $within:ident| $near:expr, |$sums:ident| $negated:expr
+        ) => {
+            impl $level {
+                /// How far numbers lie from others.
+                #[inline(always)]
+                fn off(self, one: $part, other: $part) -> $part {
+                    // SAFETY: whoever made `self` vouched for the instructions.
+                    unsafe { $largest($subtract(one, other), $subtract(other, one)) }
+                }
+
+                /// The part of a vector that lies so many parts behind its beginning.
+                #[inline(always)]
+                fn read(self, numbers: &Numbers, part: usize) -> $part {
+                    debug_assert!(part < Self::PARTS);
+                    // SAFETY: as in `off`; numbers are as long as all of their parts.
+                    unsafe { numbers.as_ptr().cast::<$part>().add(part).read_unaligned() }
+                }
+
+                #[inline(always)]
+                fn write(self, sums: &mut Sums, part: usize, of_part: $part) {
+                    debug_assert!(part < Self::PARTS);
+                    // SAFETY: as in `read`.
+                    unsafe { sums.as_mut_ptr().cast::<$part>().add(part).write_unaligned(of_part) }
+                }
+            }
+
+            impl Nearness for $level {
+                #[inline(always)]
+                fn near<const N: usize, const KINDS: usize>(
+                    self,
+                    numbers: [&Numbers; N],
+                    within: i16,
+                    others: &[Numbers],
+                    weights: &[[Numbers; KINDS]],
+                ) -> [[Sums; KINDS]; N] {
+                    let mut all = [[[0; LANES]; KINDS]; N];
+                    // SAFETY: as in `off`.
+                    let ($within, none) = unsafe { ($same(within), $same(0)) };
+                    for part in 0..Self::PARTS {
+                        let numbers = numbers.map(|numbers| self.read(numbers, part));
+                        let mut sums = [[none; KINDS]; N];
+                        for (other, weights) in others.iter().zip(weights) {
+                            let other = self.read(other, part);
+                            for (sums, &number) in sums.iter_mut().zip(&numbers) {
+                                let $off = self.off(number, other);
+                                // -1 where it is near, so what is added is negative.
+                                // SAFETY: as in `off`.
+                                let near = unsafe { $near };
+                                for (sums, weights) in sums.iter_mut().zip(weights) {
+                                    *sums = self.plus(*sums, near, self.read(weights, part));
+                                }
+                            }
+                        }
+                        for (all, sums) in all.iter_mut().zip(sums) {
+                            for (all, $sums) in all.iter_mut().zip(sums) {
+                                // SAFETY: as in `off`.
+                                self.write(all, part, unsafe { $negated });
+                            }
+                        }
+                    }
+                    all
+                }
+
+                #[inline(always)]
+                fn apart<const N: usize>(
+                    self,
+                    numbers: [&Numbers; N],
+                    most: i16,
+                    others: &[Numbers],
+                    weights: &[Numbers],
+                ) -> [Sums; N] {
+                    let mut all = [[0; LANES]; N];
+                    // SAFETY: as in `off`.
+                    let (most, none) = unsafe { ($same(most), $same(0)) };
+                    for part in 0..Self::PARTS {
+                        let numbers = numbers.map(|numbers| self.read(numbers, part));
+                        let mut sums = [none; N];
+                        for (other, weights) in others.iter().zip(weights) {
+                            let (other, weights) =
+                                (self.read(other, part), self.read(weights, part));
+                            for (sums, &number) in sums.iter_mut().zip(&numbers) {
+                                // SAFETY: as in `off`.
+                                let off = unsafe { $least(self.off(number, other), most) };
+                                *sums = self.plus(*sums, off, weights);
+                            }
+                        }
+                        for (all, sums) in all.iter_mut().zip(sums) {
+                            self.write(all, part, sums);
+                        }
+                    }
+                    all
+                }
+            }
+        };
+    }
+
+    nearness!(
+        Baseline,
+        __m128i,
+        _mm_set1_epi16,
+        _mm_sub_epi16,
+        _mm_max_epi16,
+        _mm_min_epi16,
+        |off, within| _mm_cmplt_epi16(off, within),
+        |sums| _mm_sub_epi32(_mm_setzero_si128(), sums)
+    );
+    nearness!(
+        Avx2,
+        __m256i,
+        _mm256_set1_epi16,
+        _mm256_sub_epi16,
+        _mm256_max_epi16,
+        _mm256_min_epi16,
+        |off, within| _mm256_cmpgt_epi16(within, off),
+        |sums| _mm256_sub_epi32(_mm256_setzero_si256(), sums)
+    );
+    nearness!(
+        Avx512,
+        __m512i,
+        _mm512_set1_epi16,
+        _mm512_sub_epi16,
+        _mm512_max_epi16,
+        _mm512_min_epi16,
+        |off, within| _mm512_movm_epi16(_mm512_cmplt_epi16_mask(off, within)),
+        |sums| _mm512_sub_epi32(_mm512_setzero_si512(), sums)
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+    use crate::kernels::level::{Level, at_every_level};
+    use crate::kernels::products::Plain;
+
+    at_every_level! {
+        fn near_at[nearness](
+            numbers: [&Numbers; 2],
+            others: &[Numbers],
+            weights: &[[Numbers; 3]],
+        ) -> [[Sums; 3]; 2] {
+            nearness.near(numbers, 64, others, weights)
+        }
+
+        fn apart_at[nearness](
+            numbers: [&Numbers; 2],
+            others: &[Numbers],
+            weights: &[Numbers],
+        ) -> [Sums; 2] {
+            nearness.apart(numbers, 192, others, weights)
+        }
+    }
+
+    #[test]
+    fn those_nearer_than_the_limit_count() {
+        let others = [[0; 2 * LANES], std::array::from_fn(|i| if i % 2 == 0 { 63 } else { 64 })];
+        let weights = [[[1; 2 * LANES]], [[10; 2 * LANES]]];
+        assert_eq!(Plain.near([&[0; 2 * LANES]], 64, &others, &weights), [[[12; LANES]]]);
+        assert_eq!(Plain.near([&[100; 2 * LANES]], 64, &others, &weights), [[[20; LANES]]]);
+        let weights = [[1; 2 * LANES], [10; 2 * LANES]];
+        assert_eq!(Plain.apart([&[64; 2 * LANES]], 50, &others, &weights), [[2 * 50 + 10; LANES]]);
+    }
+
+    #[test]
+    fn every_level_says_what_the_definition_says() {
+        let mut chance = Chance(8);
+        for reach in [100, 16_383] {
+            let mut numbers = |_| -> Numbers {
+                std::array::from_fn(|_| (2.0 * reach as f32 * (chance.share() - 0.5)) as i16)
+            };
+            let [one, two] = [0, 1].map(&mut numbers);
+            let others: Vec<Numbers> = (0..7).map(&mut numbers).collect();
+            let weights: Vec<[Numbers; 3]> = (0..7).map(|i| [i; 3].map(&mut numbers)).collect();
+            let of_one: Vec<Numbers> = weights.iter().map(|weights| weights[0]).collect();
+            let near = Plain.near([&one, &two], 64, &others, &weights);
+            let apart = Plain.apart([&one, &two], 192, &others, &of_one);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                assert_eq!(near_at(level, [&one, &two], &others, &weights), near);
+                assert_eq!(apart_at(level, [&one, &two], &others, &of_one), apart);
+            }
+        }
+    }
+}
