@@ -20,6 +20,9 @@ const TAGS: usize = 32;
 /// No sum is larger: eight costs and what the paths of both halves add. Marked, it fits 16 bits.
 const LARGEST: u16 = 8 * path::LARGEST_COST as u16 + 2 * u8::MAX as u16;
 const _: () = assert!((LARGEST as usize + 1) * TAGS <= u16::MAX as usize);
+/// Columns of a block meet right pixels in turns, each of which has its own: what one column writes the next one
+/// would read shifted by a lane, which takes as long as writing it to memory.
+const TURNS: usize = 4;
 /// So many disparities are marked together.
 const PART: usize = TAGS * LANES;
 const _: () = assert!(LANES == 32, "five steps make one of as many");
@@ -59,8 +62,8 @@ pub(crate) struct Winners {
 /// What a block of columns finds.
 #[derive(Debug, Default)]
 struct Block {
-    /// Of the right pixels that it meets, the least sum marked with the column.
-    right: Vec<u16>,
+    /// Of the right pixels that the columns of each turn meet, the least sum marked with the column.
+    right: [Vec<u16>; TURNS],
     /// Of each part of the disparities, as many as sums can be marked with groups.
     parts: Vec<Part>,
 }
@@ -81,7 +84,9 @@ impl Winners {
         self.margins.resize(space.columns(), 0);
         self.right.clear();
         self.right.resize(space.width + 2 * (space.lanes + TAGS), Key::NONE);
-        self.block.right.resize(space.lanes + TAGS, NO_SUM);
+        for right in &mut self.block.right {
+            right.resize(space.lanes + TAGS, NO_SUM);
+        }
         self.block.parts.resize(space.lanes.div_ceil(PART), Part::EMPTY);
         let Self { left, margins, right, block } = self;
         select_row(level, space, sums, (left, margins), right, block);
@@ -121,12 +126,14 @@ at_every_level! {
             // Where two columns try all disparities, those between do.
             let ends = [first, first + columns - 1].map(|x| space.candidates(x).len());
             let all = ends == [space.lanes; 2];
-            block.right.fill(NO_SUM);
+            for right in &mut block.right {
+                right.fill(NO_SUM);
+            }
             for (part, start) in block.parts.iter_mut().zip((0..).step_by(PART)) {
                 let count = PART.min(space.lanes - start);
                 for (i, sums) in sums.chunks_exact(space.lanes).enumerate() {
                     // In the mirror a column further on lies one before.
-                    let right = &mut block.right[TAGS - i + start..][..count];
+                    let right = &mut block.right[i % TURNS][TAGS - i + start..][..count];
                     let (sums, tried) = (&sums[start..][..count], space.candidates(first + i));
                     (part.least[i], part.next[i]) = if all {
                         meet_column::<true>(0..count, sums, i as u16, right)
@@ -142,7 +149,7 @@ at_every_level! {
                 margins.copy_from_slice(&differences[..columns]);
                 // Where disparity 0 of the block's first column stands, and so many before.
                 let place = space.mirrored(first) + space.lanes as i64;
-                meet_block(&block.right, &mut right[place as usize..][..block.right.len()]);
+                meet_block(&block.right, &mut right[place as usize..]);
             }
         }
     }
@@ -265,8 +272,11 @@ fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> ([u16; TAGS], [u16; TAGS])
 
 /// The right pixels of a block meet those of all blocks so far.
 #[inline(always)]
-fn meet_block(block: &[u16], right: &mut [Key]) {
-    for (place, (key, &marked)) in right.iter_mut().zip(block).enumerate() {
+fn meet_block(turns: &[Vec<u16>; TURNS], right: &mut [Key]) {
+    let [a, b, c, d] = turns;
+    let turns = a.iter().zip(b).zip(c.iter().zip(d));
+    for (place, (key, ((a, b), (c, d)))) in right.iter_mut().zip(turns).enumerate() {
+        let marked = *a.min(b).min(c.min(d));
         let column = u32::from(marked) % TAGS as u32;
         let disparity = (place as u32 + column).wrapping_sub(TAGS as u32);
         let sum = u32::from(marked) / TAGS as u32;
