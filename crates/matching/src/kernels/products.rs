@@ -110,6 +110,9 @@ pub(crate) type Sums = [i32; LANES];
 
 /// What adds pairs of products at one level.
 pub(crate) trait Products: Bits + Nearness {
+    /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be.
+    fn pairs(self, numbers: &[[f32; LANES]; 2]) -> [i32; LANES];
+
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
 
@@ -133,6 +136,12 @@ impl Bits for Plain {}
 
 #[cfg(any(test, not(target_arch = "x86_64")))]
 impl Products for Plain {
+    #[inline(always)]
+    fn pairs(self, [one, other]: &[[f32; LANES]; 2]) -> [i32; LANES] {
+        debug_assert!(one.iter().chain(other).all(|number| number.abs() < 64.0));
+        std::array::from_fn(|l| packed(sample(one[l]), sample(other[l])))
+    }
+
     #[inline(always)]
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
         for (sum, &own) in sums.iter_mut().zip(own) {
@@ -185,7 +194,7 @@ mod x86 {
 
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
-        ($name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr) => {
+        ($name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr, $numbers:ident, |$a:ident, $b:ident| $pairs:expr) => {
             #[derive(Clone, Copy)]
             pub(crate) struct $name(());
 
@@ -197,9 +206,7 @@ mod x86 {
                 pub unsafe fn new() -> Self {
                     Self(())
                 }
-            }
 
-            impl $name {
                 /// How many vectors the sums of all lanes are.
                 pub(in crate::kernels) const PARTS: usize =
                     size_of::<[i32; LANES]>() / size_of::<$sums>();
@@ -218,6 +225,22 @@ mod x86 {
             }
 
             impl Products for $name {
+                #[inline(always)]
+                fn pairs(self, [one, other]: &[[f32; LANES]; 2]) -> [i32; LANES] {
+                    let mut pairs = [0; LANES];
+                    for part in 0..Self::PARTS {
+                        // SAFETY: as in `plus`; a part lies within its sixteen numbers.
+                        unsafe {
+                            let $a: $numbers =
+                                one.as_ptr().cast::<$numbers>().add(part).read_unaligned();
+                            let $b: $numbers =
+                                other.as_ptr().cast::<$numbers>().add(part).read_unaligned();
+                            pairs.as_mut_ptr().cast::<$sums>().add(part).write_unaligned($pairs);
+                        }
+                    }
+                    pairs
+                }
+
                 #[inline(always)]
                 fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]) {
                     // SAFETY: as in `plus`, and both sides of a transmutation are plain numbers of the same size.
@@ -266,11 +289,49 @@ mod x86 {
         };
     }
 
-    level!(Sse2, __m128i, _mm_set1_epi32, |s, a, b| _mm_add_epi32(s, _mm_madd_epi16(a, b)));
-    level!(Avx2, __m256i, _mm256_set1_epi32, |s, a, b| {
-        _mm256_add_epi32(s, _mm256_madd_epi16(a, b))
-    });
-    level!(Avx512, __m512i, _mm512_set1_epi32, |s, a, b| _mm512_dpwssd_epi32(s, a, b));
+    level!(
+        Sse2,
+        __m128i,
+        _mm_set1_epi32,
+        |s, a, b| _mm_add_epi32(s, _mm_madd_epi16(a, b)),
+        __m128,
+        |a, b| {
+            let one = _mm_set1_ps(super::ONE);
+            let low = _mm_and_si128(_mm_cvtps_epi32(_mm_mul_ps(a, one)), _mm_set1_epi32(0xFFFF));
+            _mm_or_si128(low, _mm_slli_epi32::<16>(_mm_cvtps_epi32(_mm_mul_ps(b, one))))
+        }
+    );
+    level!(
+        Avx2,
+        __m256i,
+        _mm256_set1_epi32,
+        |s, a, b| _mm256_add_epi32(s, _mm256_madd_epi16(a, b)),
+        __m256,
+        |a, b| {
+            let one = _mm256_set1_ps(super::ONE);
+            let low = _mm256_cvtps_epi32(_mm256_mul_ps(a, one));
+            _mm256_blend_epi16::<0b1010_1010>(
+                low,
+                _mm256_slli_epi32::<16>(_mm256_cvtps_epi32(_mm256_mul_ps(b, one))),
+            )
+        }
+    );
+    level!(
+        Avx512,
+        __m512i,
+        _mm512_set1_epi32,
+        |s, a, b| _mm512_dpwssd_epi32(s, a, b),
+        __m512,
+        |a, b| {
+            let one = _mm512_set1_ps(super::ONE);
+            let low = _mm512_cvtps_epi32(_mm512_mul_ps(a, one));
+            _mm512_ternarylogic_epi32::<0xF8>(
+                _mm512_slli_epi32::<16>(_mm512_cvtps_epi32(_mm512_mul_ps(b, one))),
+                low,
+                _mm512_set1_epi32(0xFFFF),
+            )
+        }
+    );
 }
 
 #[cfg(test)]
@@ -308,6 +369,24 @@ mod tests {
             let mut sums = std::array::from_fn(|l| l as i32 - 7);
             add_all(level, &mut sums, &shared, &own);
             assert_eq!(sums, expected);
+        }
+    }
+
+    #[test]
+    fn pairs_are_their_definition_at_every_level() {
+        at_every_level! {
+            fn pairs_of[products](numbers: &[[f32; LANES]; 2]) -> [i32; LANES] {
+                products.pairs(numbers)
+            }
+        }
+
+        // Both signs, halves between two samples, and the largest.
+        let number = |i: usize| [0.5, 1.5, 32_766.6, -0.5, -9.7, -32_767.4][i % 6] / ONE;
+        let numbers = [0, 1].map(|i| std::array::from_fn(|l| number(5 * i + l)));
+        let expected = Plain.pairs(&numbers);
+        assert_eq!(expected[..2], [packed(0, -32_767), packed(2, 0)]);
+        for level in Level::available() {
+            assert_eq!(pairs_of(level, &numbers), expected, "level {}", level.name());
         }
     }
 

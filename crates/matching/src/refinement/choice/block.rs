@@ -199,11 +199,12 @@ impl Block {
         let notes = run(scene.strip.notes.row(scene.strip.row(y)), x as i64);
         let (mut smallest, mut largest) = (here, here);
         let mut undecided = [false; LANES];
+        let mut ends = (NONE, [[0; 2]; LANES]);
         for (k, place) in reach.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, rows);
             let v = row.unwrap_or(y);
-            let values = run(scene.values.row(v), u);
-            let slopes = run(scene.strip.slopes.row(scene.strip.row(v)), u);
+            let values = run_in(scene.values.row(v), u, &mut ends.0);
+            let slopes = run_in(scene.strip.slopes.row(scene.strip.row(v)), u, &mut ends.1);
             let way = place.pixels(reach.every);
             let inside = if row.is_some() { inside(u, columns) } else { NONE };
             let disparities = &mut self.disparities[k];
@@ -250,6 +251,7 @@ impl Block {
         let (x, y) = (self.columns[0], self.y);
         let strip = scene.strip;
         let grey_here = run(strip.grey.row(strip.row(y)), x as i64);
+        let mut ends = ([Note::default(); LANES], [0; LANES]);
         let mut sums_here = [[0; LANES]; WAYS];
         for (way, sums) in sums_here.iter_mut().enumerate() {
             *sums = run(strip.edges.row(way, strip.row(y)), x as i64);
@@ -257,8 +259,8 @@ impl Block {
         for (k, place) in self.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, scene.values.rows());
             let v = row.unwrap_or(y);
-            let notes = run(strip.notes.row(strip.row(v)), u);
-            let sums = run(strip.edges.row(place.way, strip.row(v)), u);
+            let notes = run_in(strip.notes.row(strip.row(v)), u, &mut ends.0);
+            let sums = run_in(strip.edges.row(place.way, strip.row(v)), u, &mut ends.1);
             for l in 0..LANES {
                 let edges = (sums_here[place.way][l].wrapping_sub(sums[l]) as i16).unsigned_abs();
                 self.notes[k][l] = notes[l].seen(grey_here[l], edges);
@@ -453,9 +455,19 @@ fn share(is: bool) -> f32 {
 /// The samples of a row from `start` on; beyond its ends the row is repeated.
 #[inline(always)]
 pub(super) fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
+    *run_in(row, start, &mut [row[0]; LANES])
+}
+
+/// The same where they lie, or else in `end`. Copied to the stack first, many of them are waited for: how long
+/// depends on whether the copy lies across two cache lines.
+#[inline(always)]
+fn run_in<'a, T: Copy>(row: &'a [T], start: i64, end: &'a mut [T; LANES]) -> &'a [T; LANES] {
     match row.get(start as usize..).and_then(|row| row.first_chunk()) {
-        Some(run) => *run,
-        None => run_at_end(row, start),
+        Some(run) => run,
+        None => {
+            *end = run_at_end(row, start);
+            end
+        }
     }
 }
 

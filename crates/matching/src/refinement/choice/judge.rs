@@ -16,7 +16,7 @@
 use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL};
 use super::reach::{GROUP, MOST, Reach};
 use super::relations::{NO_NUMBERS, PARTS, in_turns};
-use crate::kernels::products::{Numbers, Pair, Products, Sums, Weighing, packed, sample};
+use crate::kernels::products::{Numbers, Pair, Products, Sums, Weighing, packed};
 use crate::kernels::rounding::nearest;
 
 /// The most numbers that a layer has.
@@ -156,7 +156,7 @@ impl Judge {
         mind: &mut Mind,
     ) {
         let [a, b, c] = of_pixel.as_chunks().0 else { unreachable!("pixels have six numbers") };
-        let pairs = [in_pairs(a), in_pairs(b), in_pairs(c)];
+        let pairs = [products.pairs(a), products.pairs(b), products.pairs(c)];
         let groups = self.groups(&self.of_pixel);
         for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(groups) {
             *own = weighted(products, [[0; LANES]; TOGETHER], weights, &pairs);
@@ -182,16 +182,16 @@ impl Judge {
         };
         // Written out: a loop would be taken for the one to work on together.
         let hints = [
-            in_pairs(a),
-            in_pairs(b),
-            in_pairs(c),
-            in_pairs(d),
-            in_pairs(e),
-            in_pairs(f),
-            in_pairs(g),
-            in_pairs(h),
-            in_pairs(i),
-            in_pairs(j),
+            products.pairs(a),
+            products.pairs(b),
+            products.pairs(c),
+            products.pairs(d),
+            products.pairs(e),
+            products.pairs(f),
+            products.pairs(g),
+            products.pairs(h),
+            products.pairs(i),
+            products.pairs(j),
         ];
         let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
         let groups = groups.zip(own.as_chunks().0);
@@ -253,16 +253,6 @@ fn filled_up<T: Default + Copy>(first: impl Iterator<Item = T>) -> [T; LARGEST] 
     let mut all = [T::default(); LARGEST];
     all.iter_mut().zip(first).for_each(|(to, from)| *to = from);
     all
-}
-
-/// Two numbers of pixels.
-#[inline(always)]
-fn in_pairs([one, other]: &[Lanes; 2]) -> Pairs {
-    let mut pairs = [0; LANES];
-    for l in 0..LANES {
-        pairs[l] = packed(sample(one[l]), sample(other[l]));
-    }
-    pairs
 }
 
 /// Adds weighted sums.
