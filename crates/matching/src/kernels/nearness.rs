@@ -11,6 +11,7 @@
 //!
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
+use super::aligned::Line;
 use super::products::{LANES, Numbers, Sums};
 
 /// What compares numbers at one level. No two numbers differ by more than 16 bits with a sign hold.
@@ -25,7 +26,7 @@ pub(crate) trait Nearness: Copy {
         weights: &[[Numbers; KINDS]],
     ) -> [[Sums; KINDS]; N] {
         numbers.map(|number| {
-            let mut sums = [[0; LANES]; KINDS];
+            let mut sums = [Line([0; LANES]); KINDS];
             for (other, weights) in others.iter().zip(weights) {
                 let near = |i: usize| number[i].wrapping_sub(other[i]).wrapping_abs() < within;
                 for (sums, weights) in sums.iter_mut().zip(weights) {
@@ -48,7 +49,7 @@ pub(crate) trait Nearness: Copy {
         weights: &[Numbers],
     ) -> [Sums; N] {
         numbers.map(|number| {
-            let mut sums = [0; LANES];
+            let mut sums = Line([0; LANES]);
             for (other, weights) in others.iter().zip(weights) {
                 for i in 0..2 * LANES {
                     let off = number[i].wrapping_sub(other[i]).wrapping_abs().min(most);
@@ -71,7 +72,7 @@ impl Nearness for super::products::Plain {}
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{LANES, Nearness, Numbers, Sums};
+    use super::{LANES, Line, Nearness, Numbers, Sums};
     use crate::kernels::products::{Avx2, Avx512, Baseline};
 
     macro_rules! nearness {
@@ -112,7 +113,7 @@ mod x86 {
                     others: &[Numbers],
                     weights: &[[Numbers; KINDS]],
                 ) -> [[Sums; KINDS]; N] {
-                    let mut all = [[[0; LANES]; KINDS]; N];
+                    let mut all = [[Line([0; LANES]); KINDS]; N];
                     // SAFETY: as in `off`.
                     let ($within, none) = unsafe { ($same(within), $same(0)) };
                     for part in 0..Self::PARTS {
@@ -148,7 +149,7 @@ mod x86 {
                     others: &[Numbers],
                     weights: &[Numbers],
                 ) -> [Sums; N] {
-                    let mut all = [[0; LANES]; N];
+                    let mut all = [Line([0; LANES]); N];
                     // SAFETY: as in `off`.
                     let (most, none) = unsafe { ($same(most), $same(0)) };
                     for part in 0..Self::PARTS {
@@ -232,12 +233,13 @@ mod tests {
 
     #[test]
     fn those_nearer_than_the_limit_count() {
-        let others = [[0; 2 * LANES], std::array::from_fn(|i| if i % 2 == 0 { 63 } else { 64 })];
-        let weights = [[[1; 2 * LANES]], [[10; 2 * LANES]]];
-        assert_eq!(Plain.near([&[0; 2 * LANES]], 64, &others, &weights), [[[12; LANES]]]);
-        assert_eq!(Plain.near([&[100; 2 * LANES]], 64, &others, &weights), [[[20; LANES]]]);
-        let weights = [[1; 2 * LANES], [10; 2 * LANES]];
-        assert_eq!(Plain.apart([&[64; 2 * LANES]], 50, &others, &weights), [[2 * 50 + 10; LANES]]);
+        let all = |number| Line([number; 2 * LANES]);
+        let others = [all(0), Line(std::array::from_fn(|i| if i % 2 == 0 { 63 } else { 64 }))];
+        let weights = [[all(1)], [all(10)]];
+        assert_eq!(Plain.near([&all(0)], 64, &others, &weights), [[Line([12; LANES])]]);
+        assert_eq!(Plain.near([&all(100)], 64, &others, &weights), [[Line([20; LANES])]]);
+        let weights = [all(1), all(10)];
+        assert_eq!(Plain.apart([&all(64)], 50, &others, &weights), [Line([2 * 50 + 10; LANES])]);
     }
 
     #[test]
@@ -245,7 +247,7 @@ mod tests {
         let mut chance = Chance(8);
         for reach in [100, 16_383] {
             let mut numbers = |_| -> Numbers {
-                std::array::from_fn(|_| (2.0 * reach as f32 * (chance.share() - 0.5)) as i16)
+                Line(std::array::from_fn(|_| (2.0 * reach as f32 * (chance.share() - 0.5)) as i16))
             };
             let [one, two] = [0, 1].map(&mut numbers);
             let others: Vec<Numbers> = (0..7).map(&mut numbers).collect();

@@ -14,6 +14,7 @@
 //!
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
+use super::aligned::Line;
 use super::bits::Bits;
 use super::nearness::Nearness;
 use super::rounding::nearest;
@@ -103,27 +104,24 @@ pub(crate) fn packed(one: i32, other: i32) -> i32 {
 }
 
 /// The pairs of all sums, number by number.
-pub(crate) type Numbers = [i16; 2 * LANES];
+pub(crate) type Numbers = Line<[i16; 2 * LANES]>;
 
 /// A whole number for each lane.
-pub(crate) type Sums = [i32; LANES];
+pub(crate) type Sums = Line<[i32; LANES]>;
+/// A number for each lane.
+pub(crate) type Lanes = Line<[f32; LANES]>;
 
 /// What adds pairs of products at one level.
 pub(crate) trait Products: Bits + Nearness {
     /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be.
-    fn pairs(self, numbers: &[[f32; LANES]; 2]) -> [i32; LANES];
+    fn pairs(self, numbers: &[Lanes; 2]) -> Sums;
 
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
     fn add(self, sums: &mut [i32; LANES], shared: Pair, own: &[i32; LANES]);
 
     /// The same, pair after pair, for sums that grow together: all of them see the same pairs of the lanes, and
     /// share pairs of their own. Those of a vector stay in registers from the first pair to the last.
-    fn add_all<const N: usize>(
-        self,
-        sums: &mut [[i32; LANES]; N],
-        shared: &[[Pair; N]],
-        own: &[[i32; LANES]],
-    );
+    fn add_all<const N: usize>(self, sums: &mut [Sums; N], shared: &[[Pair; N]], own: &[Sums]);
 }
 
 /// The definition, which the compiler vectorises where nothing better is written out.
@@ -137,9 +135,9 @@ impl Bits for Plain {}
 #[cfg(any(test, not(target_arch = "x86_64")))]
 impl Products for Plain {
     #[inline(always)]
-    fn pairs(self, [one, other]: &[[f32; LANES]; 2]) -> [i32; LANES] {
-        debug_assert!(one.iter().chain(other).all(|number| number.abs() < 64.0));
-        std::array::from_fn(|l| packed(sample(one[l]), sample(other[l])))
+    fn pairs(self, [one, other]: &[Lanes; 2]) -> Sums {
+        debug_assert!(one.iter().chain(&**other).all(|number| number.abs() < 64.0));
+        Line(std::array::from_fn(|l| packed(sample(one[l]), sample(other[l]))))
     }
 
     #[inline(always)]
@@ -151,12 +149,7 @@ impl Products for Plain {
     }
 
     #[inline(always)]
-    fn add_all<const N: usize>(
-        self,
-        sums: &mut [[i32; LANES]; N],
-        shared: &[[Pair; N]],
-        own: &[[i32; LANES]],
-    ) {
+    fn add_all<const N: usize>(self, sums: &mut [Sums; N], shared: &[[Pair; N]], own: &[Sums]) {
         for (shared, own) in shared.iter().zip(own) {
             for (sums, shared) in sums.iter_mut().zip(shared) {
                 self.add(sums, *shared, own);
@@ -190,7 +183,7 @@ mod x86 {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{LANES, Pair, Products};
+    use super::{LANES, Lanes, Line, Pair, Products, Sums};
 
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
@@ -226,8 +219,8 @@ mod x86 {
 
             impl Products for $name {
                 #[inline(always)]
-                fn pairs(self, [one, other]: &[[f32; LANES]; 2]) -> [i32; LANES] {
-                    let mut pairs = [0; LANES];
+                fn pairs(self, [one, other]: &[Lanes; 2]) -> Sums {
+                    let mut pairs = Line([0; LANES]);
                     for part in 0..Self::PARTS {
                         // SAFETY: as in `plus`; a part lies within its sixteen numbers.
                         unsafe {
@@ -258,9 +251,9 @@ mod x86 {
                 #[inline(always)]
                 fn add_all<const N: usize>(
                     self,
-                    sums: &mut [[i32; LANES]; N],
+                    sums: &mut [Sums; N],
                     shared: &[[Pair; N]],
-                    own: &[[i32; LANES]],
+                    own: &[Sums],
                 ) {
                     for part in 0..Self::PARTS {
                         // SAFETY: as in `plus`; a part lies within its sixteen numbers.
@@ -375,14 +368,14 @@ mod tests {
     #[test]
     fn pairs_are_their_definition_at_every_level() {
         at_every_level! {
-            fn pairs_of[products](numbers: &[[f32; LANES]; 2]) -> [i32; LANES] {
+            fn pairs_of[products](numbers: &[Lanes; 2]) -> Sums {
                 products.pairs(numbers)
             }
         }
 
         // Both signs, halves between two samples, and the largest.
         let number = |i: usize| [0.5, 1.5, 32_766.6, -0.5, -9.7, -32_767.4][i % 6] / ONE;
-        let numbers = [0, 1].map(|i| std::array::from_fn(|l| number(5 * i + l)));
+        let numbers = [0, 1].map(|i| Line(std::array::from_fn(|l| number(5 * i + l))));
         let expected = Plain.pairs(&numbers);
         assert_eq!(expected[..2], [packed(0, -32_767), packed(2, 0)]);
         for level in Level::available() {

@@ -14,14 +14,13 @@ use super::relations::{Relations, SAME, in_turns};
 use super::slopes::{rise, steep};
 use super::strip::Strip;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
+use crate::kernels::aligned::Line;
 use crate::kernels::level::Level;
-use crate::kernels::products::{Numbers, Products, Sums};
+use crate::kernels::products::{Lanes, Numbers, Products, Sums};
 use crate::kernels::rounding::nearest;
 
 /// Pixels that are worked on together.
 pub(crate) const LANES: usize = 16;
-/// One number for each of them.
-pub(crate) type Lanes = [f32; LANES];
 
 /// What is known of each candidate, in the order of [`Hints`].
 pub(super) const OF_EACH: usize = 20;
@@ -154,13 +153,13 @@ const HEARD: f32 = 16384.0;
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
 const VOTES: usize = 4;
 
-pub(super) const NONE: Lanes = [0.0; LANES];
+pub(super) const NONE: Lanes = Line([0.0; LANES]);
 
 impl Block {
     /// With candidates of the map.
     #[cfg(test)]
     pub fn of(reach: &Reach, disparities: [Lanes; MOST]) -> Self {
-        let inside = [[1.0; LANES]; MOST];
+        let inside = [Line([1.0; LANES]); MOST];
         let mut block = Self { places: reach.places, disparities, inside, ..Self::default() };
         block.relations.find(&disparities[..reach.places.len()], &block.here);
         block
@@ -194,12 +193,12 @@ impl Block {
         }
         let (columns, rows) = scene.values.size();
         let (least, most) = (scene.given.least, scene.given.most);
-        self.here = run(scene.values.row(y), x as i64);
+        self.here = Line(run(scene.values.row(y), x as i64));
         let here = self.here;
         let notes = run(scene.strip.notes.row(scene.strip.row(y)), x as i64);
         let (mut smallest, mut largest) = (here, here);
         let mut undecided = [false; LANES];
-        let mut ends = (NONE, [[0; 2]; LANES]);
+        let mut ends = (NONE, Line([[0; 2]; LANES]));
         for (k, place) in reach.places.iter().enumerate() {
             let (u, row) = place.seen_from(x, y, rows);
             let v = row.unwrap_or(y);
@@ -251,7 +250,7 @@ impl Block {
         let (x, y) = (self.columns[0], self.y);
         let strip = scene.strip;
         let grey_here = run(strip.grey.row(strip.row(y)), x as i64);
-        let mut ends = ([Note::default(); LANES], [0; LANES]);
+        let mut ends = (Line([Note::default(); LANES]), Line([0; LANES]));
         let mut sums_here = [[0; LANES]; WAYS];
         for (way, sums) in sums_here.iter_mut().enumerate() {
             *sums = run(strip.edges.row(way, strip.row(y)), x as i64);
@@ -312,7 +311,7 @@ impl Block {
             self.columns[l] = self.columns[0];
             self.rows[l] = self.rows[0];
         }
-        let mut at = [0; LANES];
+        let mut at = Line([0; LANES]);
         for l in 0..LANES {
             let column = given.first + compared.every * self.columns[l];
             self.image_columns[l] = column as i32;
@@ -338,7 +337,8 @@ impl Block {
     fn meet(&mut self, compared: &Compared<'_>, k: usize) {
         let disparities = &self.disparities[k];
         let last = compared.width as i32 - 1;
-        let (mut at, mut mirrored, mut outside) = ([0; LANES], [0; LANES], NONE);
+        let (mut at, mut mirrored) = (Line([0; LANES]), Line([0; LANES]));
+        let mut outside = NONE;
         for l in 0..LANES {
             let column = self.image_columns[l] - nearest(disparities[l]);
             let clamped = if column < 0 { 0 } else { column };
@@ -358,7 +358,7 @@ impl Block {
     #[inline(always)]
     fn count_votes(&mut self, products: impl Products) {
         let n = self.places.len();
-        let mut all = [[0; LANES]; VOTES];
+        let mut all = [Line([0; LANES]); VOTES];
         for i in 0..n / 2 {
             let (one, other) = (self.weights(2 * i), self.weights(2 * i + 1));
             for vote in 0..VOTES {
@@ -382,7 +382,7 @@ impl Block {
     /// How far candidate `k` is to be heard by each kind of vote, in parts of [`HEARD`].
     #[inline(always)]
     fn weights(&self, k: usize) -> [Sums; VOTES] {
-        let mut weights = [[0; LANES]; VOTES];
+        let mut weights = [Line([0; LANES]); VOTES];
         for l in 0..LANES {
             let inside = self.inside[k][l] * HEARD;
             // Of the same shade: 1 to 0 over 16 grey values.
@@ -489,7 +489,7 @@ fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
 /// 1 for columns from `start` on that lie inside a row of so many, 0 for others.
 #[inline(always)]
 fn inside(start: i64, columns: usize) -> Lanes {
-    let mut inside = [1.0; LANES];
+    let mut inside = Line([1.0; LANES]);
     if start < 0 || start + LANES as i64 > columns as i64 {
         for l in 0..LANES {
             inside[l] = share((0..columns as i64).contains(&(start + l as i64)));

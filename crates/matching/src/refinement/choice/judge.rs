@@ -13,10 +13,11 @@
 //! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 
-use super::block::{Block, Hints, LANES, Lanes, NONE, OF_EACH, OF_PIXEL};
+use super::block::{Block, Hints, LANES, NONE, OF_EACH, OF_PIXEL};
 use super::reach::{GROUP, MOST, Reach};
 use super::relations::{NO_NUMBERS, PARTS, in_turns};
-use crate::kernels::products::{Numbers, Pair, Products, Sums, Weighing, packed};
+use crate::kernels::aligned::Line;
+use crate::kernels::products::{Lanes, Numbers, Pair, Products, Sums, Weighing, packed};
 use crate::kernels::rounding::nearest;
 
 /// The most numbers that a layer has.
@@ -38,7 +39,7 @@ pub(crate) struct Layers {
 }
 
 /// Two numbers of each pixel, [`packed`].
-type Pairs = [i32; LANES];
+type Pairs = Sums;
 
 /// The weights of a judge, those of [`TOGETHER`] sums for one pair of numbers after the other.
 #[derive(PartialEq)]
@@ -75,12 +76,12 @@ pub(super) struct Mind {
 impl Default for Mind {
     fn default() -> Self {
         Self {
-            own: [[0; LANES]; LARGEST],
+            own: [Line([0; LANES]); LARGEST],
             hints: [NONE; OF_EACH],
-            numbers: [[0; LANES]; LARGEST / 2],
+            numbers: [Line([0; LANES]); LARGEST / 2],
             scores: [NONE; MOST],
             shares: [NO_NUMBERS; MOST / 2],
-            expected: [[0; LANES]; MOST],
+            expected: [Line([0; LANES]); MOST],
         }
     }
 }
@@ -159,7 +160,7 @@ impl Judge {
         let pairs = [products.pairs(a), products.pairs(b), products.pairs(c)];
         let groups = self.groups(&self.of_pixel);
         for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(groups) {
-            *own = weighted(products, [[0; LANES]; TOGETHER], weights, &pairs);
+            *own = weighted(products, [Line([0; LANES]); TOGETHER], weights, &pairs);
         }
     }
 
@@ -209,7 +210,7 @@ impl Judge {
         let mut score = NONE;
         let ends = self.offsets.as_chunks().0.iter().zip(self.last.as_chunks::<TOGETHER>().0);
         for (weights, (offsets, last)) in self.weights.chunks_exact(numbers.len()).zip(ends) {
-            let sums = weighted(products, [[0; LANES]; TOGETHER], weights, numbers);
+            let sums = weighted(products, [Line([0; LANES]); TOGETHER], weights, numbers);
             let offsets: &[i32; TOGETHER] = offsets;
             for t in 0..TOGETHER {
                 for l in 0..LANES {
@@ -225,7 +226,7 @@ impl Judge {
     /// Two numbers of the first layer: sums, and what is to be added.
     #[inline(always)]
     fn of_first(&self, (one, to_one): (&Sums, i32), (other, to_other): (&Sums, i32)) -> Pairs {
-        let mut pairs = [0; LANES];
+        let mut pairs = Line([0; LANES]);
         for l in 0..LANES {
             let one = self.first.sample(one[l] + to_one, 0);
             let other = self.first.sample(other[l] + to_other, 0);
@@ -273,7 +274,7 @@ fn weighted(
 pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -> Verdict {
     let Mind { scores, shares, expected, .. } = mind;
     let n = block.candidates();
-    let mut best = [f32::NEG_INFINITY; LANES];
+    let mut best = Line([f32::NEG_INFINITY; LANES]);
     for k in 0..n {
         for l in 0..LANES {
             let counts = (block.inside[k][l] > 0.0) & (scores[k][l] > best[l]);
@@ -303,7 +304,7 @@ pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -
         let candidates = [&one, &two, &three, &four];
         *expected = products.apart(candidates, FAR_IN_PARTS, block.relations.pairs(), shares);
     }
-    let mut least = [i32::MAX; LANES];
+    let mut least = Line([i32::MAX; LANES]);
     for (k, (expected, inside)) in expected[..n].iter().zip(&block.inside).enumerate() {
         least = winner(&least, expected, inside, k);
     }
@@ -324,7 +325,7 @@ pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -
 /// The least so far or that of a candidate inside the map.
 #[inline(always)]
 fn winner(least: &Sums, expected: &Sums, inside: &Lanes, candidate: usize) -> Sums {
-    let mut winner = [0; LANES];
+    let mut winner = Line([0; LANES]);
     for l in 0..LANES {
         let key = expected[l] * MOST as i32 + candidate as i32;
         let key = if inside[l] > 0.0 { key } else { i32::MAX };
@@ -335,7 +336,7 @@ fn winner(least: &Sums, expected: &Sums, inside: &Lanes, candidate: usize) -> Su
 
 #[inline(always)]
 fn scaled(numbers: &Lanes, scale: &Lanes) -> Sums {
-    let mut scaled = [0; LANES];
+    let mut scaled = Line([0; LANES]);
     for l in 0..LANES {
         scaled[l] = nearest(numbers[l] * scale[l]);
     }
@@ -387,7 +388,7 @@ mod tests {
     }
 
     fn noises<const N: usize>(chance: &mut Chance) -> [Lanes; N] {
-        std::array::from_fn(|_| std::array::from_fn(|_| noise(chance)))
+        std::array::from_fn(|_| Line(std::array::from_fn(|_| noise(chance))))
     }
 
     /// The expected errors of a pixel's candidates by the formula, in 64 bits.
@@ -443,9 +444,9 @@ mod tests {
                 (0..Judge::numbers(reach, layers)).map(|_| 0.4 * noise(&mut chance)).collect();
             let judge = Judge::new(reach, layers, numbers.iter().copied());
             let mut block =
-                Block::of(reach, noises::<MOST>(&mut chance).map(|d| d.map(|d| 8.0 * d)));
+                Block::of(reach, noises::<MOST>(&mut chance).map(|d| Line(d.map(|d| 8.0 * d))));
             for inside in &mut block.inside[1..] {
-                *inside = std::array::from_fn(|_| f32::from(noise(&mut chance) > -0.5));
+                **inside = std::array::from_fn(|_| f32::from(noise(&mut chance) > -0.5));
             }
             block.of_pixel = noises(&mut chance);
             let hints: Vec<Hints> = reach.places.iter().map(|_| noises(&mut chance)).collect();
@@ -470,9 +471,9 @@ mod tests {
     #[test]
     fn of_many_that_say_nearly_the_same_the_middle_wins_and_one_alone_does_not() {
         let disparity = |k: usize| if k == 0 { 30.0 } else { k as f32 / PARTS };
-        let block = Block::of(&WIDE, std::array::from_fn(|k| [disparity(k); LANES]));
+        let block = Block::of(&WIDE, std::array::from_fn(|k| Line([disparity(k); LANES])));
         let Verdict { disparity, certainty } = verdict(Plain, &block, &mut Mind::default());
-        assert_eq!(disparity, [16.0 / PARTS; LANES]);
+        assert_eq!(*disparity, [16.0 / PARTS; LANES]);
         // One of 32 is as bad as can be, the others are off by a little.
         let sure = certainty[3];
         assert!(sure > 0.9 && sure < 31.0 / 32.0, "{sure}");

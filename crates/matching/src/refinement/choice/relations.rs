@@ -3,9 +3,10 @@
 //!
 //! A vector holds two candidates of 16 pixels, in turns pixel by pixel, as sums of products take them.
 
-use super::block::{LANES, Lanes};
+use super::block::LANES;
 use super::reach::MOST;
-use crate::kernels::products::{Numbers, Sums};
+use crate::kernels::aligned::Line;
+use crate::kernels::products::{Lanes, Numbers, Sums};
 use crate::kernels::rounding::nearest;
 
 /// Parts of a pixel of disparity.
@@ -16,7 +17,7 @@ const FARTHEST: f32 = 255.0;
 /// Candidates within so many parts say the same: a pixel.
 pub(super) const SAME: i16 = PARTS as i16;
 
-pub(super) const NO_NUMBERS: Numbers = [0; 2 * LANES];
+pub(super) const NO_NUMBERS: Numbers = Line([0; 2 * LANES]);
 
 /// Where the candidates lie from what the pixels have, two after the other.
 #[derive(Debug)]
@@ -64,7 +65,7 @@ impl Relations {
 
 #[inline(always)]
 fn relative(disparity: &Lanes, here: &Lanes) -> Sums {
-    let mut relative = [0; LANES];
+    let mut relative = Line([0; LANES]);
     for l in 0..LANES {
         let away = disparity[l] - here[l];
         let away = if away < FARTHEST { away } else { FARTHEST };
@@ -77,7 +78,8 @@ fn relative(disparity: &Lanes, here: &Lanes) -> Sums {
 #[inline(always)]
 pub(super) fn in_turns(one: &Sums, other: &Sums) -> Numbers {
     let mut numbers = NO_NUMBERS;
-    for (numbers, (&one, &other)) in numbers.as_chunks_mut().0.iter_mut().zip(one.iter().zip(other))
+    for (numbers, (&one, &other)) in
+        numbers.as_chunks_mut().0.iter_mut().zip(one.iter().zip(&**other))
     {
         *numbers = [one as i16, other as i16];
     }
@@ -91,8 +93,8 @@ mod tests {
     #[test]
     fn candidates_are_compared_in_parts_of_a_pixel() {
         let mut relations = Relations::default();
-        let disparities = [3.0, 3.5, 3.99, 4.01, 3.0 - 1e6, 1e9].map(|d| [d; LANES]);
-        relations.find(&disparities, &[3.0; LANES]);
+        let disparities = [3.0, 3.5, 3.99, 4.01, 3.0 - 1e6, 1e9].map(|d| Line([d; LANES]));
+        relations.find(&disparities, &Line([3.0; LANES]));
         assert_eq!(relations.pairs().len(), 3);
         let [first, second] = relations.of(0);
         let pairs = relations.pairs();

@@ -4,9 +4,11 @@
 //! apart, and one of its own census byte and of the grey steps of itself and the four nearest of the eight.
 //! Beyond the ends of an image its pixels are repeated.
 
-use super::block::{LANES, Lanes};
+use super::block::{LANES, NONE};
 use super::looks::Looks;
+use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::products::Lanes;
 
 /// The pixels of a window stand so far apart.
 pub(super) const APART: usize = 2;
@@ -65,8 +67,8 @@ impl Several {
     /// the loops first, and take half of the pixels one by one.
     #[inline(always)]
     pub fn fit(&self, other: &Self, count: usize) -> Fits {
-        let mut fits = Fits { bits: [0.0; LANES], bits_here: [0.0; LANES], steps: [0.0; LANES] };
-        let mut apart = [[0; 8]; LANES];
+        let mut fits = Fits { bits: NONE, bits_here: NONE, steps: NONE };
+        let mut apart = Line([[0; 8]; LANES]);
         let ours = self.own_and_steps[..count].as_flattened();
         let theirs = other.own_and_steps[..count].as_flattened();
         let steps = apart[..count].as_flattened_mut().iter_mut();
@@ -89,7 +91,7 @@ impl Several {
     /// The sums of their grey steps, each bounded.
     #[inline(always)]
     pub fn textures(&self) -> Lanes {
-        let mut textures = [0.0; LANES];
+        let mut textures = NONE;
         for l in 0..LANES {
             let mut steps = self.own_and_steps[l];
             for step in &mut steps {
