@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use raster::{DisparityRange, View};
 
+use crate::kernels::aligned::Line;
 use crate::kernels::level::at_every_level;
 use crate::profile::Work;
 
@@ -56,8 +57,11 @@ const _: () =
     assert!(MARGIN >= WIDE - 1 - BEFORE + AROUND + 2 && MARGIN >= TALL - 1 - ABOVE + AROUND + 2);
 const _: () = assert!(MARGIN > BEFORE + AROUND && MARGIN > ABOVE + AROUND);
 
-type Lanes = [f32; WIDE];
-type Window = [Lanes; TALL];
+type Lanes = Line<[f32; WIDE]>;
+type Window = Line<[[f32; WIDE]; TALL]>;
+
+const NONE: Lanes = Line([0.0; WIDE]);
+const EMPTY: Window = Line([[0.0; WIDE]; TALL]);
 
 /// The column in which a corner stands in the right image, its row in the left one, how many rows lower it
 /// stands in the right one, and by how much it does not look alike: as if by noise of this standard
@@ -131,7 +135,7 @@ at_every_level! {
 /// The samples of a window.
 #[inline(always)]
 fn window(image: View<'_, u8>, Place { x, y }: Place) -> Window {
-    let mut window = [[0.0; WIDE]; TALL];
+    let mut window = EMPTY;
     for (j, samples) in window.iter_mut().enumerate() {
         let row = &image.row(y + j - ABOVE)[x - BEFORE..][..WIDE];
         for l in 0..WIDE {
@@ -158,15 +162,15 @@ fn sum(mut lanes: Lanes) -> f32 {
 #[inline(always)]
 fn normalised(mut window: Window) -> Option<(Window, f32)> {
     const PIXELS: f32 = (WIDE * TALL) as f32;
-    let mut sums = [0.0; WIDE];
-    for samples in &window {
+    let mut sums = NONE;
+    for samples in window.iter() {
         for l in 0..WIDE {
             sums[l] += samples[l];
         }
     }
     let mean = sum(sums) / PIXELS;
-    let mut squares = [0.0; WIDE];
-    for samples in &mut window {
+    let mut squares = NONE;
+    for samples in window.iter_mut() {
         for l in 0..WIDE {
             samples[l] -= mean;
             squares[l] += samples[l] * samples[l];
@@ -177,7 +181,7 @@ fn normalised(mut window: Window) -> Option<(Window, f32)> {
         return None;
     }
     let scale = 1.0 / squares.sqrt();
-    for samples in &mut window {
+    for samples in window.iter_mut() {
         for l in 0..WIDE {
             samples[l] *= scale;
         }
@@ -306,15 +310,15 @@ fn correlate<'a>(
     for (block, scores) in scores.chunks_exact_mut(WIDE).enumerate() {
         let start = first + block * WIDE - BEFORE;
         // Sums of their own for every fourth column: one sum would wait for itself.
-        let [mut a, mut b, mut c, mut d] = [[0.0; WIDE]; 4];
+        let [mut a, mut b, mut c, mut d] = [NONE; 4];
         // Of columns, then of windows.
-        let (mut sums, mut squares) = ([0.0; 2 * WIDE], [0.0; 2 * WIDE]);
+        let (mut sums, mut squares) = (Line([0.0; 2 * WIDE]), Line([0.0; 2 * WIDE]));
         // All of them before any is read: what was only just written is slow to be had from elsewhere.
-        let mut rows = [[0.0; 2 * WIDE]; TALL];
+        let mut rows = Line([[0.0; 2 * WIDE]; TALL]);
         for (j, row) in rows.iter_mut().enumerate() {
             *row = row_from(right.row(y + j - ABOVE), start);
         }
-        for (row, wanted) in rows.iter().zip(wanted) {
+        for (row, wanted) in rows.iter().zip(&**wanted) {
             for i in 0..2 * WIDE {
                 sums[i] += row[i];
                 squares[i] += row[i] * row[i];
@@ -328,7 +332,7 @@ fn correlate<'a>(
                 }
             }
         }
-        let (mut sum, mut square) = ([0.0; WIDE], [0.0; WIDE]);
+        let (mut sum, mut square) = (NONE, NONE);
         for i in 0..WIDE {
             for l in 0..WIDE {
                 sum[l] += sums[i + l];
@@ -348,14 +352,14 @@ fn correlate<'a>(
 /// Rows and columns of a window that is smoothed, with room around it to move by [`AROUND`].
 const RICH_WIDE: usize = 2 * WIDE;
 const RICH_TALL: usize = TALL + 2 * AROUND + 1;
-type Rich = [[f32; RICH_WIDE]; RICH_TALL];
+type Rich = Line<[[f32; RICH_WIDE]; RICH_TALL]>;
 
 /// The surroundings of a place by weights 1 2 1 in both directions: place `(AROUND + j, AROUND + i)`
 /// belongs to a window's row `j` and column `i`.
 #[inline(always)]
 fn smoothed(image: View<'_, u8>, Place { x, y }: Place) -> Rich {
     const USED: usize = WIDE + 2 * AROUND + 1;
-    let mut rich = [[0.0; RICH_WIDE]; RICH_TALL];
+    let mut rich = Line([[0.0; RICH_WIDE]; RICH_TALL]);
     let first = x - BEFORE - AROUND;
     for (j, out) in rich.iter_mut().enumerate() {
         let v = y + j - ABOVE - AROUND;
@@ -378,7 +382,7 @@ fn between(rich: &Rich, along: f32, down: f32) -> Window {
     let (s, t) = (along - whole_along, down - whole_down);
     let i = (AROUND as f32 + whole_along) as usize;
     let j = (AROUND as f32 + whole_down) as usize;
-    let mut window = [[0.0; WIDE]; TALL];
+    let mut window = EMPTY;
     for (row, out) in window.iter_mut().enumerate() {
         let [upper, lower] = [j + row, j + row + 1].map(|j| &rich[j]);
         let [a, b] = [i, i + 1].map(|i| &upper[i..][..WIDE]);
@@ -402,7 +406,7 @@ fn track(
 ) -> Option<(f32, f32, f32)> {
     let rich = smoothed(left, corner);
     let (wanted, scale) = normalised(between(&rich, 0.0, 0.0))?;
-    let (mut along, mut down) = ([[0.0; WIDE]; TALL], [[0.0; WIDE]; TALL]);
+    let (mut along, mut down) = (EMPTY, EMPTY);
     for j in 0..TALL {
         let [above, row, below] = [AROUND + j - 1, AROUND + j, AROUND + j + 1].map(|j| &rich[j]);
         for l in 0..WIDE {
@@ -449,7 +453,7 @@ fn track(
 /// The sum of products of two windows.
 #[inline(always)]
 fn products(a: &Window, b: &Window) -> f32 {
-    let mut sums = [0.0; WIDE];
+    let mut sums = NONE;
     for j in 0..TALL {
         for l in 0..WIDE {
             sums[l] += a[j][l] * b[j][l];
@@ -463,7 +467,7 @@ fn products(a: &Window, b: &Window) -> f32 {
 #[inline(always)]
 fn seen(mut change: Window, window: &Window) -> Window {
     let like = products(&change, window);
-    let mean = products(&change, &[[1.0; WIDE]; TALL]) * (1.0 / (WIDE * TALL) as f32);
+    let mean = products(&change, &Line([[1.0; WIDE]; TALL])) * (1.0 / (WIDE * TALL) as f32);
     for j in 0..TALL {
         for l in 0..WIDE {
             change[j][l] -= like * window[j][l] + mean;
