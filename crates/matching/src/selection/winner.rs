@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use crate::cost::SearchSpace;
+use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{self, LANES};
 
@@ -70,6 +71,7 @@ struct Block {
 
 /// The two least sums of every lane of every column of a block, marked with their groups.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 struct Part {
     least: [[u16; LANES]; TAGS],
     next: [[u16; LANES]; TAGS],
@@ -217,7 +219,7 @@ fn select_block(parts: &[Part]) -> ([Key; TAGS], [u16; TAGS]) {
     }
     let mut second = [NO_SUM; TAGS];
     for (part, first) in parts.iter().zip((0u16..).step_by(PART)) {
-        let mut others = [[NO_SUM; LANES]; TAGS];
+        let mut others = Line([[NO_SUM; LANES]; TAGS]);
         let columns = part.least.iter().zip(&part.next).zip(winners);
         for (others, ((least, next), winner)) in others.iter_mut().zip(columns) {
             // A lane has at most one of the winner and its neighbours.
@@ -247,13 +249,17 @@ fn select_block(parts: &[Part]) -> ([Key; TAGS], [u16; TAGS]) {
 
 /// The least of the lanes of every column, and the first lane that has it.
 #[inline(always)]
-fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> ([u16; TAGS], [u16; TAGS]) {
+fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> (Line<[u16; TAGS]>, Line<[u16; TAGS]>) {
     /// Lanes are counted from the first of so many that were compared.
     #[inline(always)]
-    fn halve<const N: usize>(values: &[u16], lanes: &[u16], compared: u16) -> ([u16; N], [u16; N]) {
-        let (mut least, mut lane) = ([0; N], [0; N]);
+    fn halve<const N: usize>(
+        values: &[u16],
+        lanes: &[u16],
+        compared: u16,
+    ) -> (Line<[u16; N]>, Line<[u16; N]>) {
+        let (mut least, mut lane) = (Line([0; N]), Line([0; N]));
         let pairs = values.as_chunks::<2>().0.iter().zip(lanes.as_chunks::<2>().0);
-        for ((least, lane), (values, lanes)) in least.iter_mut().zip(&mut lane).zip(pairs) {
+        for ((least, lane), (values, lanes)) in least.iter_mut().zip(&mut *lane).zip(pairs) {
             let (first, second) = (lanes[0], lanes[1] + compared);
             // Written without a condition, of which the compiler would make a jump.
             let is_second = u16::from(values[1] < values[0]).wrapping_neg();
@@ -262,12 +268,12 @@ fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> ([u16; TAGS], [u16; TAGS])
         }
         (least, lane)
     }
-    let none = [0; TAGS * LANES];
-    let of_16 = halve::<{ TAGS * LANES / 2 }>(columns.as_flattened(), &none, 1);
-    let of_8 = halve::<{ TAGS * LANES / 4 }>(&of_16.0, &of_16.1, 2);
-    let of_4 = halve::<{ TAGS * LANES / 8 }>(&of_8.0, &of_8.1, 4);
-    let of_2 = halve::<{ TAGS * LANES / 16 }>(&of_4.0, &of_4.1, 8);
-    halve(&of_2.0, &of_2.1, 16)
+    let none = Line([0; TAGS * LANES]);
+    let of_16 = halve::<{ TAGS * LANES / 2 }>(columns.as_flattened(), &*none, 1);
+    let of_8 = halve::<{ TAGS * LANES / 4 }>(&*of_16.0, &*of_16.1, 2);
+    let of_4 = halve::<{ TAGS * LANES / 8 }>(&*of_8.0, &*of_8.1, 4);
+    let of_2 = halve::<{ TAGS * LANES / 16 }>(&*of_4.0, &*of_4.1, 8);
+    halve(&*of_2.0, &*of_2.1, 16)
 }
 
 /// The right pixels of a block meet those of all blocks so far.
