@@ -5,9 +5,9 @@
 //! apart_l = sum of w_li min(|a_l - b_li|, most) over all i
 //! ```
 //!
-//! for 16 lanes; [`Numbers`] hold two `b` and `w` for each. Of plain loops the compiler writes what is compared to
-//! memory and reads it back at once, and waits for that: votes took three times as long. So all of it is written
-//! out per level, as [products](super::products) are.
+//! for 16 lanes; [`Numbers`] hold two `b` and `w` for each. Of plain loops some builds write what is compared to
+//! memory and read it back at once, and wait for that: votes took three times as long. So all of it is written out
+//! per level, as [products](super::products) are.
 //!
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
