@@ -25,8 +25,8 @@ pub(crate) const SIDE: usize = 2 * REACH + 1;
 /// which 28 are never looked at.
 pub(crate) const OPERATIONS: usize = (2 * 71 - 28) * 2;
 
-/// Five rows of what the windows of a block hold.
-type Rows = [[u16; BLOCK + 2 * REACH]; SIDE];
+/// Columns that the windows of a block hold.
+const WIDE: usize = BLOCK + 2 * REACH;
 
 /// Row `y` of a map between the two above and the two below it; beyond its ends they are repeated.
 pub(crate) fn rows_around(map: &Plane<u16>, y: usize) -> [&[u16]; SIDE] {
@@ -36,29 +36,44 @@ pub(crate) fn rows_around(map: &Plane<u16>, y: usize) -> [&[u16]; SIDE] {
 at_every_level! {
     /// The medians around the third of the rows, which are equally long.
     pub(crate) fn median_of_5_rows(rows: [&[u16]; SIDE], medians: &mut [u16]) {
-        let columns = medians.len();
-        let mut near = [[0; BLOCK + 2 * REACH]; SIDE];
-        for start in (0..columns).step_by(BLOCK) {
-            let size = BLOCK.min(columns - start);
-            for (row, block) in rows.iter().zip(&mut near) {
-                copy_with_ends(row, start, REACH, block);
+        // Not cleared for every block, most of which need none of the other two.
+        let mut sorted = [[0; WIDE]; SIDE];
+        let (mut near, mut found) = ([[0; WIDE]; SIDE], [0; BLOCK]);
+        for (block, medians) in medians.chunks_mut(BLOCK).enumerate() {
+            let start = block * BLOCK;
+            let is_inside = start >= REACH && start + BLOCK + REACH <= rows[0].len();
+            match medians.as_mut_array() {
+                Some(medians) if is_inside => {
+                    let [a, b, c, d, e] = rows;
+                    let [a, b, c] = [wide(a, start), wide(b, start), wide(c, start)];
+                    let near = [a, b, c, wide(d, start), wide(e, start)];
+                    medians_of_block(near, &mut sorted, medians);
+                }
+                _ => {
+                    for (row, near) in rows.iter().zip(&mut near) {
+                        copy_with_ends(row, start, REACH, near);
+                    }
+                    medians_of_block(near.each_ref(), &mut sorted, &mut found);
+                    medians.copy_from_slice(&found[..medians.len()]);
+                }
             }
-            medians[start..start + size].copy_from_slice(&medians_of_block(&near)[..size]);
         }
     }
 }
 
 /// The medians of the windows whose first columns are the first of these rows.
 #[inline(always)]
-fn medians_of_block(rows: &Rows) -> [u16; BLOCK] {
-    // Sorted in place, the compiler might not see that columns do not depend on each other.
-    let mut sorted = [[0; BLOCK + 2 * REACH]; SIDE];
-    for i in 0..BLOCK + 2 * REACH {
-        let mut column = [rows[0][i], rows[1][i], rows[2][i], rows[3][i], rows[4][i]];
+fn medians_of_block(
+    [a, b, c, d, e]: [&[u16; WIDE]; SIDE],
+    sorted: &mut [[u16; WIDE]; SIDE],
+    medians: &mut [u16; BLOCK],
+) {
+    // In place, the compiler might not see that columns do not depend on each other.
+    for i in 0..WIDE {
+        let mut column = [a[i], b[i], c[i], d[i], e[i]];
         sort_5(&mut column);
         [sorted[0][i], sorted[1][i], sorted[2][i], sorted[3][i], sorted[4][i]] = column;
     }
-    let mut medians = [0; BLOCK];
     for i in 0..BLOCK {
         let mut window = [[0; SIDE]; SIDE];
         for rank in 0..SIDE {
@@ -68,7 +83,12 @@ fn medians_of_block(rows: &Rows) -> [u16; BLOCK] {
         }
         medians[i] = median_of_sorted_columns(window);
     }
-    medians
+}
+
+/// The columns of a block that has others on both sides, and those.
+#[inline(always)]
+fn wide(row: &[u16], start: usize) -> &[u16; WIDE] {
+    row[start - REACH..].first_chunk().expect("columns on both sides")
 }
 
 /// Copies the samples of a row from `reach` before `start` on; its ends are repeated.
