@@ -1,7 +1,9 @@
 //! The presets: which stages, in which order, with which parameters.
 
+mod answer;
 mod fast;
 mod memory;
+mod pair;
 mod right_choices;
 mod semi_global;
 mod view;

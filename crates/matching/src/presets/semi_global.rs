@@ -7,31 +7,26 @@
 #![doc = include_str!("best.md")]
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
-use rayon::prelude::*;
 
+use super::answer::Answer;
 use super::memory::Needs;
+use super::pair::{Pair, Prepared};
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
-use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median::{self, median_of_5_rows, rows_around};
+use crate::kernels::level::Level;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::surface_prior::SurfacePrior;
-use crate::prepare::alignment::{Alignment, VerticalDisparity};
-use crate::prepare::grey::{GreyBuffer, GreyView};
-use crate::prepare::noise::{self, noise};
-use crate::prepare::smoothing::{self, NOISY, smooth};
-use crate::prepare::take;
+use crate::prepare::alignment::VerticalDisparity;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::plane_fill::fill;
-use crate::refinement::rows_between::{self, All, Matched};
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
-use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
+use crate::selection::fixed_point::FixedPoint;
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
@@ -49,10 +44,6 @@ const UNIQUE: u16 = 2;
 const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
 const SURE: f32 = 0.4;
-/// Between two matched rows that differ by no more, in pixels, a pixel lies halfway.
-const ONE_SURFACE: f32 = 3.0;
-/// What confidence is left of a pixel that got its disparity from its neighbours.
-const FILLED: f32 = 0.05;
 
 /// Stages that run more than once, for the profile.
 const PATHS: &str = "costs, eight paths, winners";
@@ -64,10 +55,7 @@ pub(crate) struct SemiGlobalMatching {
     ingredients: Ingredients,
     penalties: Penalties,
     level: Level,
-    buffers: [GreyBuffer; 2],
-    alignment: Alignment,
-    /// Both images, if they are noisy.
-    smoothed: [Plane<u8>; 2],
+    pair: Pair,
     /// What was taken out of the right image of the last frame.
     vertical: Option<VerticalDisparity>,
     features: FeaturePair,
@@ -84,10 +72,7 @@ pub(crate) struct SemiGlobalMatching {
     choices: Choices,
     /// How sure the matched rows are.
     confidence: Plane<f32>,
-    /// The left view in fixed point, with the rows between.
-    steps: Plane<u16>,
-    /// Rows of medians, one for each thread.
-    medians: Vec<Vec<u16>>,
+    answer: Answer,
     /// The bytes that it may take, with the answer.
     memory: Option<usize>,
 }
@@ -116,9 +101,7 @@ impl SemiGlobalMatching {
             penalties: if preset == Preset::Balanced { BALANCED } else { BEST },
             level,
             memory,
-            buffers: Default::default(),
-            alignment: Alignment::default(),
-            smoothed: Default::default(),
+            pair: Pair::default(),
             vertical: None,
             features: FeaturePair::default(),
             doubtful: Plane::default(),
@@ -130,8 +113,7 @@ impl SemiGlobalMatching {
             right_choices: RightChoices::default(),
             choices: Choices::new(Jury::of(preset)),
             confidence: Plane::default(),
-            steps: Plane::default(),
-            medians: Vec::new(),
+            answer: Answer::default(),
         }
     }
 }
@@ -143,20 +125,6 @@ fn penalties(ingredients: Ingredients, penalties: Penalties, noise: f32) -> Pena
     }
     let steps = STEPS_OF_NOISE * (noise - LITTLE_NOISE).max(0.0);
     Penalties { noise: steps.round_ties_even() as u8, ..penalties }
-}
-
-at_every_level! {
-    /// Lowers the confidence of what was filled. Where no judge looks, the paths know nothing of what they do
-    /// not see.
-    fn trust(judged: bool, reasons: &[Reason], confidence: &mut [f32]) {
-        let unseen = if judged { FILLED } else { 0.0 };
-        for (confidence, &reason) in confidence.iter_mut().zip(reasons) {
-            let hidden =
-                (reason == Reason::OccludedFilled) | (reason == Reason::OutsideRightFilled);
-            let filled = if hidden { unseen } else { FILLED };
-            *confidence *= if reason == Reason::Matched { 1.0 } else { filled };
-        }
-    }
 }
 
 /// The part of the image that is matched to answer a box.
@@ -336,69 +304,6 @@ impl SemiGlobalMatching {
         }
     }
 
-    /// Spreads the left view, which is there in fixed point, its reasons and its confidence over all rows.
-    fn answer(
-        &mut self,
-        search: Search<'_>,
-        judged: bool,
-        confidence: &mut Plane<f32>,
-        map: &mut DisparityMap,
-    ) -> Work {
-        let Search { level, grey, work, rows, width, numbers, .. } = search;
-        let (columns, lines) = (work.x0..work.x1 + 1, work.y0..work.y1 + 1);
-        let reasons = &self.left.map.reasons;
-        let of_rows = confidence.samples_mut().par_chunks_exact_mut(width).enumerate();
-        of_rows.for_each(|(y, confidence)| {
-            trust(level, judged, reasons.row(y), &mut confidence[columns.clone()]);
-        });
-        let matched = Matched {
-            steps: self.left.steps.view(),
-            reasons: reasons.view(),
-            confidence: confidence.view().part(columns.clone(), 0..rows.count),
-        };
-        let all = All {
-            steps: &mut self.steps,
-            reasons: &mut map.reasons,
-            confidence: &mut map.confidence,
-            first: work.x0,
-            top: work.y0,
-        };
-        let (grey, same) = (grey[0].part(columns, lines), numbers.steps(ONE_SURFACE));
-        // Confidence is read and written for what becomes of it by the reasons.
-        let trusted = Work::bytes((2 * 4 + 1) * work.columns() * rows.count);
-        trusted + rows_between::spread(level, rows.apart, same, grey, matched, all)
-    }
-
-    /// The median of 5 x 5 pixels of the left view, of which all rows are there in fixed point, for a box of the
-    /// image.
-    fn smooth(&mut self, search: Search<'_>, bounds: BoundingBox, values: &mut Plane<f32>) -> Work {
-        let Search { ingredients, level, work, numbers, .. } = search;
-        let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
-        let width = values.columns();
-        let height = bounds.rows().div_ceil(rayon::current_num_threads());
-        self.medians.resize_with(bounds.rows().div_ceil(height), Vec::new);
-        let steps = &self.steps;
-        let rows = &mut values.samples_mut()[bounds.y0 * width..(bounds.y1 + 1) * width];
-        let bands = self.medians.par_iter_mut().zip(rows.par_chunks_mut(height * width));
-        bands.enumerate().for_each(|(i, (medians, rows))| {
-            medians.resize(work.columns(), 0);
-            for (y, row) in (dy + i * height..).zip(rows.chunks_exact_mut(width)) {
-                if ingredients.has(Ingredient::Median) {
-                    median_of_5_rows(level, rows_around(steps, y), medians);
-                } else {
-                    medians.copy_from_slice(steps.row(y));
-                }
-                let row = &mut row[bounds.x0..=bounds.x1];
-                row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
-            }
-        });
-        let median = if ingredients.has(Ingredient::Median) { median::OPERATIONS } else { 0 };
-        let pixel = Work::bytes(2 + 4) + Work::operations(median);
-        pixel * (bounds.columns() * bounds.rows())
-    }
-}
-
-impl SemiGlobalMatching {
     fn needs(&self, frame: &Frame<'_>, work: BoundingBox, space: &SearchSpace) -> Needs {
         Needs::new(frame, work, space, self.ingredients, self.choices.jury())
     }
@@ -429,45 +334,17 @@ impl Pipeline for SemiGlobalMatching {
         let columns = work.columns();
         let space = SearchSpace::new(width, work, frame.range);
         let bands = self.needs(frame, work, &space).bands(self.memory);
-        // Borrowed while the stages run.
-        let mut buffers = std::mem::take(&mut self.buffers);
-        let [left, right] = &mut buffers;
-        let both = [(left, frame.left), (right, frame.right)]
-            .map(|(buffer, image)| buffer.with_upper_bits(self.level, image));
-        let (mut views, mut grey) = (both.map(|(view, _)| view), both.map(|(_, grey)| grey));
-        let [of_left, of_right] = [frame.left, frame.right].map(GreyBuffer::work_with_upper_bits);
-        let mut made_grey = of_left + of_right + noise::work(grey[0]);
-
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
         let (ingredients, level) = (self.ingredients, self.level);
-        let mut alignment = std::mem::take(&mut self.alignment);
-        self.vertical = None;
-        // Texture as fine as noise passes for it in one image, but both images show the same texture.
-        let mut noise = noise(grey[0]);
-        if space.count > 0 && ingredients.has(Ingredient::VerticalAlignment) {
-            let aligned = alignment.align(level, grey[0], views[1], grey[1], frame.range);
-            (views[1], grey[1], self.vertical) = (aligned.grey, aligned.upper, aligned.vertical);
-            noise = aligned.noise.map_or(noise, |of_pair| of_pair.min(noise));
-            made_grey = made_grey + aligned.done;
-        }
-        let mut smoothed = std::mem::take(&mut self.smoothed);
-        if ingredients.has(Ingredient::NoiseSmoothing) {
-            smoothed.iter_mut().for_each(|smoothed| take(smoothed, (width, height)));
-            if noise > NOISY {
-                for (smoothed, grey) in smoothed.iter_mut().zip(&grey) {
-                    made_grey = made_grey + smoothing::work(*grey);
-                    smooth(level, *grey, smoothed);
-                }
-                grey = smoothed.each_ref().map(Plane::view);
-                views = grey.map(GreyView::Depth8);
-                // Steps of grey need not be freed from what is left of it.
-                noise = 0.0;
-            }
-        }
+        // Borrowed while the stages run.
+        let mut pair = std::mem::take(&mut self.pair);
+        let Prepared { views, grey, vertical, noise, done } =
+            pair.prepare(level, ingredients, frame, space.count > 0);
+        self.vertical = vertical;
+        profile.end("grey, vertical alignment, noise", done);
         let penalties = penalties(ingredients, self.penalties, noise);
-        profile.end("grey, vertical alignment, noise", made_grey);
         let search = Search {
             ingredients,
             level,
@@ -538,7 +415,7 @@ impl Pipeline for SemiGlobalMatching {
         map.values = std::mem::take(&mut self.right.map.values);
         map.values.reshape(width, height, nowhere);
         let judged = chooses && ingredients.has(Ingredient::PathMargin);
-        let answered = self.answer(search, judged, &mut sure, map);
+        let answered = self.answer.spread(search, judged, &self.left, &mut sure, map);
         self.confidence = sure;
         profile.end("answer", stepped + answered);
         let medians = match space.count {
@@ -546,13 +423,13 @@ impl Pipeline for SemiGlobalMatching {
                 map.values.samples_mut().fill(nowhere);
                 Work::default()
             }
-            _ => self.smooth(search, bounds, &mut map.values),
+            _ => self.answer.smooth(search, bounds, &mut map.values),
         };
         profile.end("median", medians);
         map.values.fill_around(bounds, f32::NAN);
         map.reasons.fill_around(bounds, Reason::OutsideBox);
         map.confidence.fill_around(bounds, 0.0);
-        (self.buffers, self.alignment, self.smoothed) = (buffers, alignment, smoothed);
+        self.pair = pair;
         Ok(())
     }
 }
@@ -561,23 +438,7 @@ impl Pipeline for SemiGlobalMatching {
 mod tests {
     use super::*;
     use crate::chance::Chance;
-
-    #[test]
-    fn what_was_filled_is_trusted_less_at_every_level() {
-        use Reason::{Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled};
-        let reasons = [Matched, OccludedFilled, MismatchedFilled, OutsideRightFilled].repeat(9);
-        for level in Level::available() {
-            eprintln!("level {}", level.name());
-            let confidence = |judged| {
-                let mut confidence = vec![0.8; reasons.len()];
-                trust(level, judged, &reasons, &mut confidence);
-                confidence
-            };
-            let filled = 0.8 * FILLED;
-            assert_eq!(confidence(true), [0.8, filled, filled, filled].repeat(9));
-            assert_eq!(confidence(false), [0.8, 0.0, filled, 0.0].repeat(9));
-        }
-    }
+    use crate::prepare::noise::noise;
 
     #[test]
     fn steps_of_grey_count_less_in_a_noisy_image_alone() {
