@@ -23,6 +23,14 @@ pub(crate) struct Aligned<T> {
 #[repr(C, align(64))]
 pub(crate) struct Line<A>(pub A);
 
+/// Makes the frame of the function that this becomes a part of begin where a cache line does: what its registers have
+/// no room for is kept there, and where frames begin anywhere half of that may lie across two lines.
+#[inline(always)]
+pub(crate) fn align_frame() {
+    // It may be changed for all that the compiler knows, so it has to be there.
+    std::hint::black_box(&mut Line(0u8));
+}
+
 impl<A> Deref for Line<A> {
     type Target = A;
 

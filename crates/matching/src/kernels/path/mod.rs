@@ -33,7 +33,7 @@ use fearless_simd::{Simd, SimdBase};
 
 use self::vectors::Disparities;
 use super::ahead;
-use super::aligned::{Aligned, LINE};
+use super::aligned::{Aligned, LINE, align_frame};
 use super::level::{Level, with_vectors};
 
 /// Disparities come in groups of this many.
@@ -294,6 +294,7 @@ fn advance<S: Simd, const RISE: bool>(
 ) where
     S::u8s: Disparities<S>,
 {
+    align_frame();
     let &Row { costs, count, transitions, p1, reverse, .. } = row;
     let columns = costs.len() / count;
     let width = <S::u8s as SimdBase<S>>::LEN;
