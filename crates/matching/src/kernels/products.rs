@@ -187,7 +187,10 @@ mod x86 {
 
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
-        ($name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr, $numbers:ident, |$a:ident, $b:ident| $pairs:expr) => {
+        (
+            $name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr,
+            $numbers:ident, |$a:ident, $b:ident| $pairs:expr
+        ) => {
             #[derive(Clone, Copy)]
             pub(crate) struct $name(());
 

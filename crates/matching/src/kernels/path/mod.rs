@@ -294,6 +294,7 @@ fn advance<S: Simd, const RISE: bool>(
 ) where
     S::u8s: Disparities<S>,
 {
+    // With AVX2 there are too few registers.
     align_frame();
     let &Row { costs, count, transitions, p1, reverse, .. } = row;
     let columns = costs.len() / count;
