@@ -87,21 +87,6 @@ mod x86 {
                     // SAFETY: whoever made `self` vouched for the instructions.
                     unsafe { $largest($subtract(one, other), $subtract(other, one)) }
                 }
-
-                /// The part of a vector that lies so many parts behind its beginning.
-                #[inline(always)]
-                fn read(self, numbers: &Numbers, part: usize) -> $part {
-                    debug_assert!(part < Self::PARTS);
-                    // SAFETY: as in `off`; numbers are as long as all of their parts.
-                    unsafe { numbers.as_ptr().cast::<$part>().add(part).read_unaligned() }
-                }
-
-                #[inline(always)]
-                fn write(self, sums: &mut Sums, part: usize, of_part: $part) {
-                    debug_assert!(part < Self::PARTS);
-                    // SAFETY: as in `read`.
-                    unsafe { sums.as_mut_ptr().cast::<$part>().add(part).write_unaligned(of_part) }
-                }
             }
 
             impl Nearness for $level {

@@ -207,6 +207,32 @@ mod x86 {
                 pub(in crate::kernels) const PARTS: usize =
                     size_of::<[i32; LANES]>() / size_of::<$sums>();
 
+                /// A part of the numbers of all lanes.
+                #[inline(always)]
+                pub(in crate::kernels) fn read<A: Copy>(
+                    self,
+                    numbers: &Line<A>,
+                    part: usize,
+                ) -> $sums {
+                    const { assert!(size_of::<A>() == size_of::<[i32; LANES]>()) };
+                    assert!(part < Self::PARTS);
+                    // SAFETY: the part lies within the numbers, whose bits any vector holds.
+                    unsafe { std::ptr::from_ref(numbers).cast::<$sums>().add(part).read() }
+                }
+
+                /// Writes a part of sums.
+                #[inline(always)]
+                pub(in crate::kernels) fn write(
+                    self,
+                    sums: &mut Sums,
+                    part: usize,
+                    of_part: $sums,
+                ) {
+                    assert!(part < Self::PARTS);
+                    // SAFETY: as in `read`.
+                    unsafe { std::ptr::from_mut(sums).cast::<$sums>().add(part).write(of_part) }
+                }
+
                 /// Sums, and the products of two vectors.
                 #[inline(always)]
                 pub(in crate::kernels) fn plus(
@@ -225,14 +251,13 @@ mod x86 {
                 fn pairs(self, [one, other]: &[Lanes; 2]) -> Sums {
                     let mut pairs = Line([0; LANES]);
                     for part in 0..Self::PARTS {
-                        // SAFETY: as in `plus`; a part lies within its sixteen numbers.
-                        unsafe {
-                            let $a: $numbers =
-                                one.as_ptr().cast::<$numbers>().add(part).read_unaligned();
-                            let $b: $numbers =
-                                other.as_ptr().cast::<$numbers>().add(part).read_unaligned();
-                            pairs.as_mut_ptr().cast::<$sums>().add(part).write_unaligned($pairs);
-                        }
+                        // SAFETY: as in `plus`, and both sides of a transmutation are sixteen plain numbers or fewer.
+                        let of_part = unsafe {
+                            let $a = transmute::<$sums, $numbers>(self.read(one, part));
+                            let $b = transmute::<$sums, $numbers>(self.read(other, part));
+                            $pairs
+                        };
+                        self.write(&mut pairs, part, of_part);
                     }
                     pairs
                 }
@@ -259,25 +284,17 @@ mod x86 {
                     own: &[Sums],
                 ) {
                     for part in 0..Self::PARTS {
-                        // SAFETY: as in `plus`; a part lies within its sixteen numbers.
-                        unsafe {
-                            let mut parts = [$same(0); N];
-                            for (part_of, sums) in parts.iter_mut().zip(&*sums) {
-                                *part_of = sums.as_ptr().cast::<$sums>().add(part).read_unaligned();
+                        let mut parts = sums.each_ref().map(|sums| self.read(sums, part));
+                        for (shared, own) in shared.iter().zip(own) {
+                            let own = self.read(own, part);
+                            for (part_of, shared) in parts.iter_mut().zip(shared) {
+                                // SAFETY: as in `add`.
+                                let shared = unsafe { $same(transmute::<Pair, i32>(*shared)) };
+                                *part_of = self.plus(*part_of, shared, own);
                             }
-                            for (shared, own) in shared.iter().zip(own) {
-                                let own = own.as_ptr().cast::<$sums>().add(part).read_unaligned();
-                                for (part_of, shared) in parts.iter_mut().zip(shared) {
-                                    let shared = $same(transmute::<Pair, i32>(*shared));
-                                    *part_of = self.plus(*part_of, shared, own);
-                                }
-                            }
-                            for (part_of, sums) in parts.iter().zip(&mut *sums) {
-                                sums.as_mut_ptr()
-                                    .cast::<$sums>()
-                                    .add(part)
-                                    .write_unaligned(*part_of);
-                            }
+                        }
+                        for (part_of, sums) in parts.into_iter().zip(&mut *sums) {
+                            self.write(sums, part, part_of);
                         }
                     }
                 }

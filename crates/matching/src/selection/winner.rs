@@ -151,7 +151,8 @@ at_every_level! {
                 margins.copy_from_slice(&differences[..columns]);
                 // Where disparity 0 of the block's first column stands, and so many before.
                 let place = space.mirrored(first) + space.lanes as i64;
-                meet_block(&block.right, &mut right[place as usize..]);
+                let met = &mut right[place as usize..][..block.right[0].len()];
+                meet_block(&block.right, met);
             }
         }
     }

@@ -89,6 +89,8 @@ pub(super) fn in_turns(one: &Sums, other: &Sums) -> Numbers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::nearness::Nearness;
+    use crate::kernels::products::Plain;
 
     #[test]
     fn candidates_are_compared_in_parts_of_a_pixel() {
@@ -99,12 +101,22 @@ mod tests {
         let [first, second] = relations.of(0);
         let pairs = relations.pairs();
         assert_eq!([first, second].map(|of| of[..2].to_vec()), [[0, 0], [32, 32]]);
-        assert_eq!(pairs[0][6..8], [0, 32]);
-        // Those at 3.99 and 4.01: only one of them says the same as the first.
-        assert_eq!(pairs[1][..2], [63, 65]);
-        assert!(pairs[1][0] < SAME && pairs[1][1] >= SAME);
-        // The farthest ones are still within 16 bits of each other.
+        // Of either of a pair, told apart by their weights.
+        let weights = Line(std::array::from_fn(|i| if i % 2 == 0 { 1 } else { 100 }));
+        let apart = |one: &Numbers, pair: usize, most: i16| {
+            Plain.apart([one], most, &pairs[pair..=pair], &[weights])[0]
+        };
+        let same = |one: &Numbers, pair: usize| {
+            Plain.near([one], SAME, &pairs[pair..=pair], &[[weights]])[0][0]
+        };
+        assert_eq!(*apart(&first, 0, 192), [100 * 32; LANES]);
+        assert_eq!(*apart(&second, 2, 192), [192 + 100 * 192; LANES]);
+        assert_eq!(*same(&first, 1), [1; LANES]);
+        // The farthest ones are not near to each other.
         let [low, high] = relations.of(2);
-        assert_eq!(i32::from(high[3]) - i32::from(low[3]), 32_640);
+        let apart: [i32; 2 * LANES] =
+            std::array::from_fn(|i| i32::from(high[i]) - i32::from(low[i]));
+        assert_eq!(apart, [32_640; 2 * LANES]);
+        assert_eq!(*same(&low, 2), [1; LANES]);
     }
 }
