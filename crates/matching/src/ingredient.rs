@@ -43,6 +43,8 @@ pub enum Ingredient {
     FurtherChoices,
     /// The median of 5 x 5 pixels.
     Median,
+    /// Fractions of a pixel mended by least squares on the images.
+    LeastSquares,
     /// Confidence by the margin of the paths' sums.
     PathMargin,
 }
@@ -50,7 +52,7 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// In the order of the stages.
-const BALANCED: [Ingredient; 14] = [
+const BALANCED: [Ingredient; 15] = [
     VerticalAlignment,
     NoiseSmoothing,
     Gradient,
@@ -64,12 +66,13 @@ const BALANCED: [Ingredient; 14] = [
     LearnedChoice,
     FurtherChoices,
     Median,
+    LeastSquares,
     PathMargin,
 ];
 
 /// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
 /// and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 16] = [
+const BEST: [Ingredient; 17] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
@@ -85,6 +88,7 @@ const BEST: [Ingredient; 16] = [
     RightChoices,
     FurtherChoices,
     Median,
+    LeastSquares,
     PathMargin,
 ];
 
@@ -194,6 +198,11 @@ impl Ingredient {
                 "one round",
             ),
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
+            LeastSquares => (
+                "least-squares",
+                "fractions of a pixel are mended where the images say so, by least squares",
+                "fractions as the paths and the median leave them",
+            ),
             PathMargin => (
                 "path-margin",
                 "confidence: how far the winner's sum lies below any other, times the judge's certainty",

@@ -16,6 +16,7 @@ use crate::prepare::alignment::Alignment;
 use crate::prepare::descriptor::Descriptors;
 use crate::refinement::choice::{Choices, Jury};
 use crate::refinement::groups::Groups;
+use crate::refinement::least_squares::LeastSquares;
 
 /// What a frame takes at most where no limit was given, or else what the sums of semi-global matching
 /// take of it. Bands cost time, so the pairs of the usual benchmarks are matched without any (KITTI with
@@ -113,7 +114,11 @@ impl Needs {
         // In the right view all columns choose.
         let chosen = if right_choice { width } else { columns };
         let choice = if choice { Choices::bytes(jury, (chosen, lines), width) } else { 0 };
-        let refined = filled + right + choice;
+        let least_squares = match ingredients.has(Ingredient::LeastSquares) {
+            false => 0,
+            true => LeastSquares::bytes(columns),
+        };
+        let refined = filled + right + choice + least_squares;
         // How sure matched rows are, and the left view in fixed point with the rows between.
         let spread = 4 * wide + 2 * columns * work.rows();
         let stages = images + flat + features + descriptors + left + prior + refined + spread;

@@ -23,6 +23,7 @@ use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::VerticalDisparity;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
+use crate::refinement::least_squares::{self, LeastSquares};
 use crate::refinement::plane_fill::fill;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
@@ -73,6 +74,7 @@ pub(crate) struct SemiGlobalMatching {
     /// How sure the matched rows are.
     confidence: Plane<f32>,
     answer: Answer,
+    least_squares: LeastSquares,
     /// The bytes that it may take, with the answer.
     memory: Option<usize>,
 }
@@ -114,6 +116,7 @@ impl SemiGlobalMatching {
             choices: Choices::new(Jury::of(preset)),
             confidence: Plane::default(),
             answer: Answer::default(),
+            least_squares: LeastSquares::default(),
         }
     }
 }
@@ -408,8 +411,15 @@ impl Pipeline for SemiGlobalMatching {
         if chooses {
             self.choose(search, confidence, profile);
         }
-        let filled = if chooses { &self.left.filled } else { &self.right.map.values };
-        let stepped = in_steps(level, search.numbers, filled, &mut self.left.steps);
+        let View { map: left, filled, steps, .. } = &mut self.left;
+        let filled = if chooses { filled } else { &mut self.right.map.values };
+        if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
+            let (values, reasons, first) = (&mut *filled, &left.reasons, left.first);
+            let shifted = least_squares::Map { values, reasons, first, rows, range };
+            profile.end("least squares", self.least_squares.refine(level, grey, shifted));
+        }
+        let filled = &*filled;
+        let stepped = in_steps(level, search.numbers, filled, steps);
         // Without a search there is one value everywhere.
         let nowhere = filled.row(0)[0];
         map.values = std::mem::take(&mut self.right.map.values);

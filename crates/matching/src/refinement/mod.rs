@@ -2,6 +2,7 @@
 
 pub(crate) mod choice;
 pub(crate) mod groups;
+pub(crate) mod least_squares;
 pub(crate) mod median;
 pub(crate) mod plane_fill;
 pub(crate) mod plane_fit;

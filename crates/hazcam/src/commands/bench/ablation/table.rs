@@ -18,6 +18,7 @@ struct Figures {
     scene: String,
     e_rms: [Option<f64>; 3],
     p_bad: [Option<f64>; 3],
+    sub_pixel: Option<f64>,
     ause: Option<f64>,
     cpu_seconds: Option<f64>,
 }
@@ -28,6 +29,7 @@ impl Figures {
             scene: record.case.clone(),
             e_rms: REGIONS.map(|region| record.value(region, "E_RMS")),
             p_bad: REGIONS.map(|region| record.value(region, "p_bad")),
+            sub_pixel: record.value(REGIONS[0], "subpixel-rms"),
             ause: record.confidence.as_ref().map(|confidence| confidence.ause),
             cpu_seconds: record.usage.cpu_seconds,
         }
@@ -51,6 +53,8 @@ pub struct Row {
     ratio: Option<f64>,
     /// Scenes on which it has a smaller p_bad than the whole preset.
     better: Option<usize>,
+    /// RMS in pixels of the errors of at most one pixel.
+    sub_pixel: Option<f64>,
     /// Area under the sparsification error of the confidence.
     ause: Option<f64>,
     /// CPU time.
@@ -80,6 +84,7 @@ impl Row {
             p_bad: region(|figures| figures.p_bad),
             ratio: variant.without.and(mean(logarithms)).map(f64::exp),
             better: variant.without.map(|_| pairs.iter().filter(|(a, b)| b < a).count()),
+            sub_pixel: mean(own.iter().filter_map(|figures| figures.sub_pixel)),
             ause: mean(own.iter().filter_map(|figures| figures.ause)),
             cpu_seconds: mean(own.iter().filter_map(|figures| figures.cpu_seconds)),
         }
@@ -133,6 +138,7 @@ pub fn table(rows: &[Row]) -> Table {
         "p_bad occ",
         "ratio",
         "better on",
+        "subpixel-rms",
         "AUSE",
         "CPU ms",
     ];
@@ -145,6 +151,7 @@ pub fn table(rows: &[Row]) -> Table {
         cells.extend(row.p_bad.map(|value| Cell::number(value, 4)));
         cells.push(Cell::number(row.ratio, 3));
         cells.push(Cell::number(row.better.map(|count| count as f64), 0));
+        cells.push(Cell::number(row.sub_pixel, 3));
         cells.push(Cell::number(row.ause, 4));
         cells.push(Cell::number(row.cpu_seconds.map(|seconds| seconds * 1e3), 0));
         table.push(cells);
@@ -163,6 +170,7 @@ pub fn legend(rows: &[Row]) -> Vec<String> {
         ),
         "ratio: geometric mean of p_bad over the whole preset's; above 1 the ingredient pays".into(),
         "better on: scenes on which leaving it out lowers p_bad".into(),
+        "subpixel-rms: in px, of the errors of at most 1 px".into(),
         "AUSE: how badly the confidence ranks errors > 2 px, 0 is perfect; without path-margin it is \
          that of the difference of the two views alone"
             .into(),
@@ -191,6 +199,7 @@ mod tests {
             scene: scene.into(),
             e_rms: [Some(e_rms), None, None],
             p_bad: [Some(p_bad), Some(p_bad / 2.0), None],
+            sub_pixel: Some(p_bad + 0.1),
             ause: Some(0.01),
             cpu_seconds: Some(0.25),
         }
@@ -212,11 +221,11 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             lines[2],
-            "| best | nothing | 2.00 | - | - | 0.1000 | 0.0500 | - | - | - | 0.0100 | 250 |"
+            "| best | nothing | 2.00 | - | - | 0.1000 | 0.0500 | - | - | - | 0.200 | 0.0100 | 250 |"
         );
         assert_eq!(
             lines[3],
-            "|  | median | 3.00 | - | - | 0.2667 | 0.1333 | - | 1.414 | 1 | 0.0100 | 250 |"
+            "|  | median | 3.00 | - | - | 0.2667 | 0.1333 | - | 1.414 | 1 | 0.367 | 0.0100 | 250 |"
         );
     }
 
