@@ -59,7 +59,7 @@ struct Band {
     /// What is left over in the rows of a window, and in the one before them.
     rows: [Residuals; SIDE + 1],
     /// Down the columns of the window, with [`RADIUS`] columns before the first and whole blocks after them.
-    sums: Sums<Vec<i32>>,
+    sums: Sums,
 }
 
 /// What is left over in a row, in [`PARTS`]: 0 where there is no match.
@@ -72,13 +72,13 @@ struct Residuals {
 
 /// Sums over matches.
 #[derive(Default)]
-struct Sums<T> {
-    count: T,
-    error: T,
-    slope: T,
-    error_error: T,
-    error_slope: T,
-    slope_slope: T,
+struct Sums {
+    count: Vec<i32>,
+    error: Vec<i32>,
+    slope: Vec<i32>,
+    error_error: Vec<i32>,
+    error_slope: Vec<i32>,
+    slope_slope: Vec<i32>,
 }
 
 /// A map of the left image: its disparities, why they are there, and where it lies.
@@ -194,7 +194,7 @@ impl Residuals {
     }
 }
 
-impl Sums<Vec<i32>> {
+impl Sums {
     fn reset(&mut self, columns: usize) {
         let Self { count, error, slope, error_error, error_slope, slope_slope } = self;
         for row in [count, error, slope, error_error, error_slope, slope_slope] {
@@ -266,18 +266,18 @@ at_every_level! {
     }
 
     /// A row enters the window.
-    fn enter(row: &Residuals, sums: &mut Sums<Vec<i32>>) {
+    fn enter(row: &Residuals, sums: &mut Sums) {
         slide(row, sums, |sum, number| sum + number);
     }
 
     /// A row leaves the window.
-    fn leave(row: &Residuals, sums: &mut Sums<Vec<i32>>) {
+    fn leave(row: &Residuals, sums: &mut Sums) {
         slide(row, sums, |sum, number| sum - number);
     }
 
     /// Shifts the matches of the row in the middle of the window.
     fn shift_row(
-        sums: &Sums<Vec<i32>>,
+        sums: &Sums,
         is_match: &[i16],
         range: [i32; 2],
         values: &mut [f32],
@@ -329,7 +329,7 @@ fn around<T: Copy>(row: &[T], start: usize, nothing: T) -> [T; BLOCK + 2] {
 
 /// Adds a row to sums down the columns, or takes it away.
 #[inline(always)]
-fn slide(row: &Residuals, sums: &mut Sums<Vec<i32>>, change: impl Fn(i32, i32) -> i32) {
+fn slide(row: &Residuals, sums: &mut Sums, change: impl Fn(i32, i32) -> i32) {
     let n = row.error.len();
     let (is_match, error, slope) = (&row.is_match[..n], &row.error[..n], &row.slope[..n]);
     let Sums { count, error: errors, slope: slopes, error_error, error_slope, slope_slope } = sums;
