@@ -41,10 +41,10 @@ pub enum Ingredient {
     RightChoices,
     /// All rounds of choices but the first.
     FurtherChoices,
-    /// The median of 5 x 5 pixels.
-    Median,
     /// Fractions of a pixel mended by least squares on the images.
     LeastSquares,
+    /// The median of 5 x 5 pixels.
+    Median,
     /// Confidence by the margin of the paths' sums.
     PathMargin,
 }
@@ -65,8 +65,8 @@ const BALANCED: [Ingredient; 15] = [
     PlaneFill,
     LearnedChoice,
     FurtherChoices,
-    Median,
     LeastSquares,
+    Median,
     PathMargin,
 ];
 
@@ -87,8 +87,8 @@ const BEST: [Ingredient; 17] = [
     LearnedChoice,
     RightChoices,
     FurtherChoices,
-    Median,
     LeastSquares,
+    Median,
     PathMargin,
 ];
 
@@ -197,12 +197,12 @@ impl Ingredient {
                 "more rounds of choices, by judges taught after the first: two, in best five",
                 "one round",
             ),
-            Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             LeastSquares => (
                 "least-squares",
                 "fractions of a pixel are mended where the images say so, by least squares",
-                "fractions as the paths and the median leave them",
+                "fractions as the paths and choices leave them",
             ),
+            Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             PathMargin => (
                 "path-margin",
                 "confidence: how far the winner's sum lies below any other, times the judge's certainty",

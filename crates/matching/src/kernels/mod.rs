@@ -6,6 +6,7 @@ pub(crate) mod ahead;
 pub(crate) mod aligned;
 pub(crate) mod bits;
 pub(crate) mod border;
+pub(crate) mod cubic;
 pub mod level;
 pub(crate) mod median;
 pub(crate) mod nearness;

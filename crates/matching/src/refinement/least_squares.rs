@@ -15,7 +15,7 @@
 //! weighs by its variance. Where there is no texture, or what is left over is no shift (noise, rows that are off, a
 //! shine), `v` is large and nothing happens. Differences of exposure are the mean of `e`, which does not count.
 //!
-//! Between two columns `R` is a cubic (Catmull & Rom 1974) and `R'` its slope. Both numbers are rounded to 1/16 of a
+//! Between two columns `R` is a [cubic] and `R'` its slope. Both numbers are rounded to 1/16 of a
 //! grey value, so that sums slide from window to window and no level or number of threads changes them.
 
 use std::ops::Range;
@@ -24,6 +24,7 @@ use raster::{DisparityRange, Plane, Reason, View};
 use rayon::prelude::*;
 
 use crate::cost::MatchedRows;
+use crate::kernels::cubic::cubic;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::rounding::nearest;
 use crate::profile::Work;
@@ -242,19 +243,14 @@ at_every_level! {
             }
             let mut samples = [0u32; BLOCK];
             for (samples, &column) in samples.iter_mut().zip(&columns) {
-                if let Some(four) = right.get(column as usize - 1..).and_then(|row| row.first_chunk()) {
-                    *samples = u32::from_le_bytes(*four);
-                }
+                let row = right.get(column as usize - 1..).unwrap_or_default();
+                *samples = row.first_chunk().map_or(0, |four| u32::from_le_bytes(*four));
             }
             let grey = around(left, first + start, 0).map(f32::from);
             let (mut error, mut slope) = ([0i16; BLOCK], [0i16; BLOCK]);
             for i in 0..BLOCK {
-                let [a, b, c, d] = [0, 8, 16, 24].map(|bits| (samples[i] >> bits & 255) as f32);
-                let t = parts[i];
-                let (one, two) = (c - a, 2.0 * a - 5.0 * b + 4.0 * c - d);
-                let three = 3.0 * (b - c) + d - a;
-                let sample = b + 0.5 * t * (one + t * (two + t * three));
-                let of_right = 0.5 * (one + t * (2.0 * two + t * 3.0 * three));
+                let four = [0, 8, 16, 24].map(|bits| (samples[i] >> bits & 255) as f32);
+                let (sample, of_right) = cubic(four, parts[i]);
                 let of_left = 0.5 * (grey[i + 2] - grey[i]);
                 error[i] = nearest(PARTS * (grey[i + 1] - sample)) as i16 * is_match[i];
                 slope[i] = nearest(PARTS * 0.5 * (of_left + of_right)) as i16 * is_match[i];

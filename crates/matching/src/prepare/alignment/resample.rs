@@ -1,11 +1,11 @@
 //! An image whose rows are taken from between its rows.
 //!
-//! `out(x, y) = I(x, y + dy(x, y))`, by a cubic through four samples of the column (Catmull & Rom; Keys
-//! 1981), rounded to nearest. Beyond the ends of a column its samples are repeated.
+//! `out(x, y) = I(x, y + dy(x, y))`, by a [cubic] through four samples of the column, rounded to nearest. Beyond the ends of a column its samples are repeated.
 
 use raster::View;
 
 use super::model::VerticalDisparity;
+use crate::kernels::cubic::cubic;
 use crate::kernels::level::at_every_level;
 use crate::kernels::rounding::nearest;
 
@@ -124,10 +124,7 @@ fn block_at<T: Grey>(image: View<'_, T>, x: usize, y: usize, first: f32, step: f
 /// What lies the part `t` of the way from `b` to `c`.
 #[inline(always)]
 fn between<T: Grey>(a: T, b: T, c: T, d: T, t: f32) -> T {
-    let (a, b, c, d) = (a.wide(), b.wide(), c.wide(), d.wide());
-    let cubic = 3.0 * (b - c) + d - a;
-    let square = 2.0 * a - 5.0 * b + 4.0 * c - d;
-    let sample = b + 0.5 * t * (c - a + t * (square + t * cubic));
+    let (sample, _) = cubic([a.wide(), b.wide(), c.wide(), d.wide()], t);
     let sample = if sample > 0.0 { sample } else { 0.0 };
     let sample = if sample < T::LARGEST { sample } else { T::LARGEST };
     T::narrow(nearest(sample))
