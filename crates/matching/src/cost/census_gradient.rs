@@ -13,16 +13,15 @@
 //! Workshops 2011, mix census and absolute differences in this way). Descriptors count nearly as
 //! much as both together, and more where there was no match ([`Weights`]).
 //!
-//! A row that stands for itself and the next one has words that see both ([`crate::prepare::census`]), and the
-//! steps of their mean.
-
-use std::ops::RangeInclusive;
+//! Where a pixel stands for itself and its neighbours in the next row and column, its word sees all four
+//! ([`crate::prepare::census`]), and steps are those of the mean of both rows.
 
 use raster::{Plane, View};
 use rayon::prelude::*;
 
 use super::{MatchedRows, SearchSpace};
 use crate::kernels::bits::Bits;
+use crate::kernels::every::take_every;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{LANES, LARGEST_COST};
 use crate::optimization::semi_global::CostRows;
@@ -94,8 +93,8 @@ pub(crate) struct FeaturePair {
 
 /// How a row of the whole image comes to stand in its features.
 enum Place {
-    /// Some of its columns.
-    Columns(RangeInclusive<usize>),
+    /// From a column on every so many-th.
+    Every { first: usize, apart: usize },
     /// From right to left between two margins that repeat its ends.
     Mirror,
 }
@@ -103,7 +102,7 @@ enum Place {
 impl Place {
     fn put<T: Copy>(&self, row: &[T], out: &mut [T]) {
         match self {
-            Place::Columns(columns) => out.copy_from_slice(&row[columns.clone()]),
+            Place::Every { first, apart } => take_every(*apart, &row[*first..], out),
             Place::Mirror => {
                 let margin = (out.len() - row.len()) / 2;
                 let (first, last) = (row[0], row[row.len() - 1]);
@@ -190,7 +189,7 @@ impl FeaturePair {
         space: &SearchSpace,
         rows: MatchedRows,
     ) -> Work {
-        let place = Place::Columns(space.first..=space.last);
+        let place = Place::Every { first: space.first, apart: space.apart };
         let left = self.left.compute(level, left, rows, space.columns(), place);
         let columns = space.width + 2 * space.lanes;
         left + self.right.compute(level, right, rows, columns, Place::Mirror)
@@ -205,7 +204,7 @@ impl FeaturePair {
         first: usize,
     ) -> Work {
         let Self { left: left_features, right: right_features, network } = self;
-        let place = Place::Columns(space.first..=space.last);
+        let place = Place::Every { first: space.first, apart: space.apart };
         left_features.describe(level, left, first, place, network)
             + right_features.describe(level, right, first, Place::Mirror, network)
     }
@@ -244,7 +243,7 @@ at_every_level! {
         let (words, steps) = (right.words.row(y), right.steps.row(y));
         let farthest = (space.width + space.lanes) as i64;
         for (x, costs) in costs.chunks_exact_mut(space.lanes).enumerate() {
-            let place = space.mirrored(space.first + x) + space.lanes as i64;
+            let place = space.mirrored(space.in_image(x)) + space.lanes as i64;
             let place = place.clamp(0, farthest) as usize;
             let words = &words[place..place + space.lanes];
             let steps = &steps[place..place + space.lanes];
@@ -344,14 +343,14 @@ mod tests {
         let left = Plane::from_fn(40, 6, |x, y| scramble(x, y, 1));
         let right = Plane::from_fn(40, 6, |x, y| scramble(x + 3, y, 1));
         let views = [left.view(), right.view()].map(|image| (GreyView::Depth8(image), image));
-        let word = |(view, _): Seen<'_>, x: usize, y: usize, pair: bool| {
+        let word = |(view, _): Seen<'_>, x: usize, y: usize, pairs: bool| {
             let mut words = [0; 40];
-            CensusRows::default().words(Level::detect(), view, y, pair, &mut words);
+            CensusRows::default().words(Level::detect(), view, y, pairs, &mut words);
             words[x]
         };
-        let step = |(_, grey): Seen<'_>, x: usize, y: usize, pair: bool| {
+        let step = |(_, grey): Seen<'_>, x: usize, y: usize, pairs: bool| {
             let (mut steps, mut mean) = ([0; 40], [0; 40]);
-            let next = if pair { (y + 1).min(5) } else { y };
+            let next = if pairs { (y + 1).min(5) } else { y };
             mean_of_rows(grey.row(y), grey.row(next), &mut mean);
             steps_along_row(&mean, &mut steps);
             steps[x]
@@ -366,18 +365,18 @@ mod tests {
         for (range, columns) in [((-4, 37), (5, 38)), ((10, 30), (0, 39)), ((-60, -31), (3, 12))] {
             let range = DisparityRange::new(range.0, range.1).unwrap();
             let bounds = BoundingBox::new(columns.0, 1, columns.1, 5).unwrap();
-            let space = SearchSpace::new(40, bounds, range);
-            let doubtful = Plane::from_fn(space.columns(), 5, |x, y| (x + y) % 3 == 0);
-            // Descriptors are of all rows.
+            let doubtful = Plane::from_fn(bounds.columns(), 5, |x, y| (x + y) % 3 == 0);
+            // Descriptors are of all columns and rows.
             let kinds = [(1, None), (1, Some(&doubtful)), (2, None)];
             for (level, (apart, doubtful)) in
                 Level::available().into_iter().flat_map(|l| kinds.map(|kind| (l, kind)))
             {
                 eprintln!("level {}", level.name());
-                let (rows, is_pair) = (MatchedRows::of(bounds, apart), apart > 1);
+                let (rows, pairs) = (MatchedRows::of(bounds, apart), apart > 1);
+                let space = SearchSpace::of_every(apart, 40, bounds, range);
                 let mut pair = FeaturePair::default();
                 pair.compute(level, views, &space, rows);
-                if !is_pair {
+                if !pairs {
                     pair.describe(level, views.map(|(view, _)| view), &space, 1);
                 }
                 let costs_of_rows = pair.costs(level, &space, doubtful);
@@ -391,15 +390,15 @@ mod tests {
                             Some(false) => CERTAIN,
                             Some(true) => DOUBTFUL,
                         };
-                        let x = x + space.first;
+                        let x = space.in_image(x);
                         for (k, &cost) in costs[..space.count].iter().enumerate() {
                             let at = x as i64 - i64::from(space.min) - k as i64;
                             let at = at.clamp(0, 39) as usize;
                             let [a, b] = [(views[0], x), (views[1], at)]
-                                .map(|(view, x)| word(view, x, image_row, is_pair));
+                                .map(|(view, x)| word(view, x, image_row, pairs));
                             let bits = (a ^ b).count_ones();
                             let [a, b] = [(views[0], x), (views[1], at)]
-                                .map(|(view, x)| step(view, x, image_row, is_pair));
+                                .map(|(view, x)| step(view, x, image_row, pairs));
                             let unlike = descriptors[0].row(image_row)[x]
                                 ^ descriptors[1].row(image_row)[at];
                             let expected = bits * u32::from(weights.census) / 64

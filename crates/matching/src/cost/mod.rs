@@ -9,7 +9,7 @@ use raster::{BoundingBox, DisparityRange};
 
 use crate::kernels::path::padded;
 
-/// The columns of the left image that are answered, and the disparities that can be tried there.
+/// The columns of the left image that are matched, and the disparities that can be tried there.
 ///
 /// A disparity is tried at a column when its match lies inside the right image. Disparities that
 /// are tried nowhere are left out, so that a range far wider than the image costs nothing.
@@ -17,10 +17,12 @@ use crate::kernels::path::padded;
 pub(crate) struct SearchSpace {
     /// Columns of either image.
     pub width: usize,
-    /// First column that is answered.
+    /// First column that is matched.
     pub first: usize,
-    /// Last column that is answered.
+    /// Last column that is matched.
     pub last: usize,
+    /// Columns of the image from one to the next: 1 or 2. Of 2 a column stands for itself and the next.
+    pub apart: usize,
     /// The smallest disparity that is tried anywhere.
     pub min: i32,
     /// How many disparities are tried, from `min` upwards; 0 when no match can lie inside.
@@ -30,19 +32,35 @@ pub(crate) struct SearchSpace {
 }
 
 impl SearchSpace {
-    /// What there is to search for a box in an image of `width` columns.
+    /// What there is to search for all columns of a box in an image of `width` columns.
     pub fn new(width: usize, bounds: BoundingBox, range: DisparityRange) -> Self {
-        let (first, last) = (bounds.x0, bounds.x1);
+        Self::of_every(1, width, bounds, range)
+    }
+
+    /// The same for every so many-th column.
+    pub fn of_every(
+        apart: usize,
+        width: usize,
+        bounds: BoundingBox,
+        range: DisparityRange,
+    ) -> Self {
+        let first = bounds.x0;
+        let last = first + (bounds.x1 - first) / apart * apart;
         // Left columns first ..= last meet right columns 0 ..= width - 1.
         let min = i64::from(range.min()).max(first as i64 - (width as i64 - 1));
         let max = i64::from(range.max()).min(last as i64);
         let count = (max - min + 1).max(0) as usize;
-        Self { width, first, last, min: min as i32, count, lanes: padded(count) }
+        Self { width, first, last, apart, min: min as i32, count, lanes: padded(count) }
     }
 
-    /// How many columns are answered.
+    /// How many columns are matched.
     pub fn columns(&self) -> usize {
-        self.last - self.first + 1
+        (self.last - self.first) / self.apart + 1
+    }
+
+    /// Where one of them lies in the image.
+    pub fn in_image(&self, column: usize) -> usize {
+        self.first + self.apart * column
     }
 
     /// Which disparities, counted from `min`, are tried at left column `x`.
@@ -62,7 +80,7 @@ impl SearchSpace {
 
     /// How many pairs of a column and a disparity are tried in a row.
     pub fn pairs(&self) -> usize {
-        (self.first..=self.last).map(|x| self.candidates(x).len()).sum()
+        (0..self.columns()).map(|x| self.candidates(self.in_image(x)).len()).sum()
     }
 
     /// Where left column `x` meets the right image at disparity `min`, if that stands in a mirror:

@@ -7,6 +7,7 @@ pub(crate) mod aligned;
 pub(crate) mod bits;
 pub(crate) mod border;
 pub(crate) mod cubic;
+pub(crate) mod every;
 pub mod level;
 pub(crate) mod median;
 pub(crate) mod nearness;

@@ -5,8 +5,9 @@
 //! the edges of objects more than they help on blank walls. Beyond the border of the image the
 //! nearest pixel is repeated.
 //!
-//! Where a row stands for itself and the next one, every second column of the window is that of the next
-//! row's pixel: no pixel's noise is then in all bits.
+//! Where a pixel stands for itself, the next one, and both of the next row, every second column of the window is
+//! that of the next row's pixel, and every second row that of the next column's: no pixel's noise is then in all
+//! bits.
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::grey::GreyView;
@@ -35,18 +36,19 @@ const fn has_bit(dx: usize, dy: usize) -> bool {
 pub(crate) struct CensusRows([Vec<u16>; ROWS_OF_PAIR]);
 
 impl CensusRows {
-    /// The census words of row `y`, one per column; or of that row and the next, if it is one of a `pair`.
+    /// The census words of row `y`, one per column; or of that row and the next, and of columns and the next, if
+    /// these are `pairs`.
     pub fn words(
         &mut self,
         level: Level,
         image: GreyView<'_>,
         y: usize,
-        pair: bool,
+        pairs: bool,
         words: &mut [u32],
     ) {
         let (columns, rows) = image.size();
-        let padded = columns.next_multiple_of(LANES) + 2 * REACH_X;
-        let needed = if pair { ROWS_OF_PAIR } else { ROWS };
+        let padded = columns.next_multiple_of(LANES) + 2 * REACH_X + 1;
+        let needed = if pairs { ROWS_OF_PAIR } else { ROWS };
         for (dy, to) in self.0[..needed].iter_mut().enumerate() {
             let from = (y + dy).saturating_sub(REACH_Y).min(rows - 1);
             to.resize(padded, 0);
@@ -60,7 +62,8 @@ impl CensusRows {
             to[REACH_X + columns..].fill(last);
         }
         let window = |first: usize| std::array::from_fn(|dy| &self.0[first + dy][..]);
-        words_of_row(level, [window(0), window(usize::from(pair))], words);
+        let next = usize::from(pairs);
+        words_of_row(level, [window(0), window(next)], next, words);
     }
 }
 
@@ -75,19 +78,23 @@ at_every_level! {
     }
 
     /// Is the neighbour darker than the pixel? One bit each, in the order of reading; of the first window in even
-    /// columns, of the second in odd ones.
-    fn words_of_row(windows: [[&[u16]; ROWS]; 2], words: &mut [u32]) {
+    /// columns, of the second in odd ones, which both lie `next` columns further on in odd rows.
+    fn words_of_row(windows: [[&[u16]; ROWS]; 2], next: usize, words: &mut [u32]) {
         for (block, words) in words.chunks_mut(LANES).enumerate() {
             let lanes = |rows: &[&[u16]; ROWS], dx: usize, dy: usize| -> [u16; LANES] {
                 *rows[dy][block * LANES + dx..].first_chunk().expect("rows are padded")
             };
-            let pixels = windows.each_ref().map(|rows| lanes(rows, REACH_X, REACH_Y));
+            let pixel = |rows, next: usize| lanes(rows, REACH_X + next, REACH_Y);
+            let [above, below] = &windows;
+            // Written out: `map` would not be compiled for the level.
+            let pixels =
+                [[pixel(above, 0), pixel(above, next)], [pixel(below, 0), pixel(below, next)]];
             let mut word = [0u32; LANES];
             for dy in 0..ROWS {
                 for dx in 0..=2 * REACH_X {
                     if has_bit(dx, dy) {
-                        let neighbours = lanes(&windows[dx % 2], dx, dy);
-                        let pixels = &pixels[dx % 2];
+                        let neighbours = lanes(&windows[dx % 2], dx + dy % 2 * next, dy);
+                        let pixels = &pixels[dx % 2][dy % 2];
                         for i in 0..LANES {
                             word[i] = word[i] << 1 | u32::from(neighbours[i] < pixels[i]);
                         }
@@ -108,10 +115,10 @@ mod tests {
     fn a_word_counts_the_darker_neighbours() {
         let image = Plane::<u16>::from_fn(9, 7, |x, y| ((x * 37 + y * 91) % 50) as u16);
         for level in Level::available() {
-            for (y, pair) in (0..7).flat_map(|y| [(y, false), (y, true)]) {
+            for (y, pairs) in (0..7).flat_map(|y| [(y, false), (y, true)]) {
                 let mut words = [u32::MAX; 9];
                 let view = GreyView::Depth16(image.view());
-                CensusRows::default().words(level, view, y, pair, &mut words);
+                CensusRows::default().words(level, view, y, pairs, &mut words);
                 for (x, word) in words.into_iter().enumerate() {
                     let mut expected = 0u32;
                     let at =
@@ -122,7 +129,9 @@ mod tests {
                                 continue;
                             }
                             // -3, -1, 1 and 3 are columns 0, 2, 4 and 6 of the window.
-                            let (x, y) = (x as i64, y as i64 + i64::from(pair && dx % 2 == 0));
+                            // As -1 and 1 are rows 1 and 3.
+                            let x = x as i64 + i64::from(pairs && dy % 2 != 0);
+                            let y = y as i64 + i64::from(pairs && dx % 2 == 0);
                             expected = expected << 1 | u32::from(at(x + dx, y + dy) < at(x, y));
                         }
                     }

@@ -3,7 +3,7 @@
 use raster::{BoundingBox, DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
-use super::view::{Search, View};
+use super::view::Search;
 use crate::ingredient::Ingredient;
 use crate::kernels::level::at_every_level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
@@ -11,8 +11,8 @@ use crate::profile::Work;
 use crate::refinement::rows_between::{self, All, Matched};
 use crate::selection::fixed_point::row_in_pixels;
 
-/// Between two matched rows that differ by no more, in pixels, a pixel lies halfway.
-const ONE_SURFACE: f32 = 3.0;
+/// Between two matched columns or rows that differ by no more, in pixels, a pixel lies halfway.
+pub(super) const ONE_SURFACE: f32 = 3.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
 
@@ -26,28 +26,20 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// Spreads the left view, which is there in fixed point, its reasons and its confidence over all rows. Where
+    /// Spreads the left view, which is there in fixed point with its reasons, and its confidence over all rows. Where
     /// it was `judged`, the confidence of what the paths did not see is a judge's.
     pub fn spread(
         &mut self,
         search: Search<'_>,
         judged: bool,
-        left: &View,
+        (steps, reasons): (&Plane<u16>, &Plane<Reason>),
         confidence: &mut Plane<f32>,
         map: &mut DisparityMap,
     ) -> Work {
-        let Search { level, grey, work, rows, width, numbers, .. } = search;
-        let (columns, lines) = (work.x0..work.x1 + 1, work.y0..work.y1 + 1);
-        let reasons = &left.map.reasons;
-        let of_rows = confidence.samples_mut().par_chunks_exact_mut(width).enumerate();
-        of_rows.for_each(|(y, confidence)| {
-            trust(level, judged, reasons.row(y), &mut confidence[columns.clone()]);
-        });
-        let matched = Matched {
-            steps: left.steps.view(),
-            reasons: reasons.view(),
-            confidence: confidence.view().part(columns.clone(), 0..rows.count),
-        };
+        let Search { level, grey, work, rows, numbers, .. } = search;
+        let of_rows = confidence.samples_mut().par_chunks_exact_mut(work.columns()).enumerate();
+        of_rows.for_each(|(y, confidence)| trust(level, judged, reasons.row(y), confidence));
+        let matched = Matched { steps, reasons, confidence: &*confidence };
         let all = All {
             steps: &mut self.steps,
             reasons: &mut map.reasons,
@@ -55,7 +47,8 @@ impl Answer {
             first: work.x0,
             top: work.y0,
         };
-        let (grey, same) = (grey[0].part(columns, lines), numbers.steps(ONE_SURFACE));
+        let grey = grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1);
+        let same = numbers.steps(ONE_SURFACE);
         // Confidence is read and written for what becomes of it by the reasons.
         let trusted = Work::bytes((2 * 4 + 1) * work.columns() * rows.count);
         trusted + rows_between::spread(level, rows.apart, same, grey, matched, all)

@@ -15,6 +15,7 @@ use crate::optimization::semi_global::SemiGlobal;
 use crate::prepare::alignment::Alignment;
 use crate::prepare::descriptor::Descriptors;
 use crate::refinement::choice::{Choices, Jury};
+use crate::refinement::columns_between;
 use crate::refinement::groups::Groups;
 use crate::refinement::least_squares::LeastSquares;
 
@@ -68,10 +69,11 @@ impl Needs {
         jury: &Jury,
     ) -> Self {
         let (width, height) = frame.size();
-        let columns = work.columns();
-        let lines = MatchedRows::of(work, jury.reach.every).count;
-        // Pixels of the images, of their rows that are matched, and of the left one's part.
+        let (columns, lines) = (space.columns(), MatchedRows::of(work, jury.reach.every).count);
+        // Pixels of the images, of their rows that are matched, those that are of the left one's part, and all
+        // columns of it.
         let (all, wide, part) = (width * height, width * lines, columns * lines);
+        let rows_of_part = work.columns() * lines;
         let of_image = |image| (grey(image) + upper_bits(image)) * all;
         let images = of_image(frame.left) + of_image(frame.right);
         let deep = upper_bits(frame.right) > 0;
@@ -92,9 +94,13 @@ impl Needs {
             false => 0,
             true => 8 * places + part + Descriptors::bytes(width),
         };
-        // Disparities and reasons of the left view, its fixed point and groups. The right view has
-        // the memory of the answer.
-        let left = (4 + 1 + 2) * part + Groups::bytes(columns, lines);
+        // Disparities, reasons and confidence of the left view, its groups, and its fixed point with the columns
+        // between. The right view has the memory of the answer.
+        let left = (4 + 1 + 4) * part + 2 * rows_of_part + Groups::bytes(columns, lines);
+        let between = match space.apart {
+            1 => 0,
+            _ => columns_between::Map::bytes(rows_of_part),
+        };
         let prior = ingredients.has(Ingredient::SurfacePrior);
         let choice = ingredients.has(Ingredient::LearnedChoice);
         let right_choice = choice && ingredients.has(Ingredient::RightChoices);
@@ -116,11 +122,11 @@ impl Needs {
         let choice = if choice { Choices::bytes(jury, (chosen, lines), width) } else { 0 };
         let least_squares = match ingredients.has(Ingredient::LeastSquares) {
             false => 0,
-            true => LeastSquares::bytes(columns),
+            true => LeastSquares::bytes(work.columns()),
         };
         let refined = filled + right + choice + least_squares;
-        // How sure matched rows are, and the left view in fixed point with the rows between.
-        let spread = 4 * wide + 2 * columns * work.rows();
+        // The steps of the guide, and the left view in fixed point with the rows between.
+        let spread = part + between + 2 * work.columns() * work.rows();
         let stages = images + flat + features + descriptors + left + prior + refined + spread;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count), volume }

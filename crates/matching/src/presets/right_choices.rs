@@ -31,15 +31,14 @@ impl RightChoices {
     }
 
     /// Lets the pixels of the right view choose, once or in more rounds, into its map. Both views are checked
-    /// against each other and filled; `confidence` is that of the left one, in rows of the image. All rows are
-    /// matched.
+    /// against each other and filled; `confidence` is that of the left one. All columns and rows are matched.
     pub fn run(
         &mut self,
         search: Search<'_>,
         further: bool,
         choices: &mut Choices,
         left: &View,
-        confidence: &[f32],
+        confidence: &Plane<f32>,
         right: &mut View,
     ) -> Work {
         let Search { level, work, width, range, .. } = search;
@@ -52,8 +51,7 @@ impl RightChoices {
         let of_rows = self.confidence.samples_mut().par_chunks_mut(width).enumerate();
         of_rows.for_each(|(y, to)| {
             let pixels = right.filled.row(y).iter().zip(right.map.reasons.row(y));
-            let from = &confidence[y * width..][..width];
-            confidence_of_matches(pixels, from, work.x0..=work.x1, to);
+            confidence_of_matches(pixels, confidence.row(y), work.x0, to);
         });
         let given = Given {
             doubtful: &Plane::default(),
@@ -66,7 +64,7 @@ impl RightChoices {
         };
         let rounds = if further { ROUNDS } else { 1 };
         let View { map, filled, .. } = right;
-        let chosen = choices.run(level, rounds, &given, self.confidence.view(), filled, map);
+        let chosen = choices.run(level, rounds, &given, &self.confidence, filled, map);
         // Rounds leave either plane in the other's memory. The map's is that of the answer, and larger
         // than the part that is matched: it has to come back.
         std::mem::swap(filled, &mut map.values);
@@ -99,19 +97,19 @@ fn widen(map: &Plane<f32>, first: usize, width: usize, out: &mut Plane<f32>) {
 }
 
 /// The confidence of the pixels of a row in the mirror: where there is a match, that of the left view at
-/// the match, if the left view has that column; 0 elsewhere.
+/// the match, which begins at a column, if it has that of the match; 0 elsewhere.
 fn confidence_of_matches<'a>(
     pixels: impl Iterator<Item = (&'a f32, &'a Reason)>,
     of_left: &[f32],
-    columns: std::ops::RangeInclusive<usize>,
+    first: usize,
     out: &mut [f32],
 ) {
     let last = out.len() as i32 - 1;
     for ((m, out), (&disparity, &reason)) in (0..).zip(out).zip(pixels) {
         let column = usize::try_from(last - m + nearest(disparity));
-        let seen = column.ok().filter(|column| columns.contains(column));
+        let seen = column.ok().and_then(|column| of_left.get(column.checked_sub(first)?));
         *out = match seen {
-            Some(column) if reason == Reason::Matched => of_left[column],
+            Some(&confidence) if reason == Reason::Matched => confidence,
             _ => 0.0,
         };
     }
@@ -143,9 +141,9 @@ mod tests {
         let disparities = [0.0, 1.0, 1.2, 3.0, 1.0];
         let mut reasons = [Reason::Matched; 5];
         reasons[4] = Reason::OccludedFilled;
-        let of_left = [0.1, 0.2, 0.3, 0.4, 0.5];
+        let of_left = [0.2, 0.3, 0.4];
         let mut out = [9.0; 5];
-        confidence_of_matches(disparities.iter().zip(&reasons), &of_left, 0..=3, &mut out);
+        confidence_of_matches(disparities.iter().zip(&reasons), &of_left, 1, &mut out);
         // Columns 4, 4 (not of the left view's part), 3, 4, and one that is filled.
         assert_eq!(out, [0.0, 0.0, 0.4, 0.0, 0.0]);
     }

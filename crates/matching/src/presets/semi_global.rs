@@ -8,7 +8,7 @@
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 
-use super::answer::Answer;
+use super::answer::{Answer, ONE_SURFACE};
 use super::memory::Needs;
 use super::pair::{Pair, Prepared};
 use super::right_choices::RightChoices;
@@ -16,6 +16,7 @@ use super::view::{Search, View, in_steps};
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
+use crate::kernels::every::take_every;
 use crate::kernels::level::Level;
 use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
@@ -23,6 +24,7 @@ use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::VerticalDisparity;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
+use crate::refinement::columns_between;
 use crate::refinement::least_squares::{self, LeastSquares};
 use crate::refinement::plane_fill::fill;
 use crate::selection::both_views::Selection;
@@ -32,7 +34,7 @@ use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
 /// What changes of disparity cost in either preset; in a noisy image its steps count less ([`penalties`]).
-const BALANCED: Penalties = Penalties { p1: 16, p2: 60, p2_least: 8, fall: 200, noise: 0 };
+const BALANCED: Penalties = Penalties { p1: 10, p2: 45, p2_least: 8, fall: 240, noise: 0 };
 const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 };
 /// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
 /// noise of up to this standard deviation where images are clean.
@@ -60,6 +62,8 @@ pub(crate) struct SemiGlobalMatching {
     /// What was taken out of the right image of the last frame.
     vertical: Option<VerticalDisparity>,
     features: FeaturePair,
+    /// The grey of what is matched, whose steps the penalties go by.
+    guide: Plane<u8>,
     /// Pixels of the left view that both cameras should see and that no run has matched so far.
     doubtful: Plane<bool>,
     optimizer: SemiGlobal,
@@ -71,8 +75,10 @@ pub(crate) struct SemiGlobalMatching {
     right: View,
     right_choices: RightChoices,
     choices: Choices,
-    /// How sure the matched rows are.
+    /// How sure the matched pixels are.
     confidence: Plane<f32>,
+    /// The left view with the columns between.
+    between: columns_between::Map,
     answer: Answer,
     least_squares: LeastSquares,
     /// The bytes that it may take, with the answer.
@@ -106,6 +112,7 @@ impl SemiGlobalMatching {
             pair: Pair::default(),
             vertical: None,
             features: FeaturePair::default(),
+            guide: Plane::default(),
             doubtful: Plane::default(),
             optimizer: SemiGlobal::default(),
             prior: SurfacePrior::default(),
@@ -115,6 +122,7 @@ impl SemiGlobalMatching {
             right_choices: RightChoices::default(),
             choices: Choices::new(Jury::of(preset)),
             confidence: Plane::default(),
+            between: columns_between::Map::default(),
             answer: Answer::default(),
             least_squares: LeastSquares::default(),
         }
@@ -142,7 +150,7 @@ fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> Boundin
 
 impl SemiGlobalMatching {
     /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
-    /// the image. `confidence` takes how sure they are, in rows of the image.
+    /// the image. `confidence` takes how sure those of the left view are.
     fn optimize(
         &mut self,
         space: &SearchSpace,
@@ -150,18 +158,20 @@ impl SemiGlobalMatching {
         confidence: &mut [f32],
         follow: bool,
     ) -> Work {
-        let Search { ingredients, level, work, rows, bands, .. } = search;
+        let Search { ingredients, level, rows, bands, .. } = search;
         let doubtful = ingredients.has(Ingredient::Descriptors).then_some(&self.doubtful);
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
         // A range of three disparities can leave none to compare a winner with.
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
         let least_margin = if compared { UNIQUE } else { 0 };
-        let guide = search.grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1);
-        let guide = guide.every_row(rows.apart);
+        let grey = search.matched_rows();
+        self.guide.reshape(space.columns(), rows.count, 0);
+        let guide = self.guide.samples_mut().chunks_exact_mut(space.columns()).enumerate();
+        guide.for_each(|(y, row)| take_every(space.apart, grey.row(y), row));
         let middle = SemiGlobal::middle(rows.count);
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
-        let confidence = confidence.split_at_mut(middle * space.width);
+        let confidence = confidence.split_at_mut(middle * space.columns());
         let [upper, lower] = &mut self.winners;
         let halves = [
             (0, left.0, right.0, confidence.0, upper),
@@ -175,8 +185,8 @@ impl SemiGlobalMatching {
                 least_margin,
                 first,
                 left,
-                right,
                 confidence,
+                right,
                 winners,
             };
             move |y: usize, sums: &[u16]| rows.row(y, sums)
@@ -184,13 +194,14 @@ impl SemiGlobalMatching {
         let paths = self.optimizer.run(
             level,
             &self.features.costs(level, space, doubtful),
-            guide,
+            self.guide.view(),
             follow.then_some(&self.prior),
             &search.penalties,
             bands,
             finish,
         );
-        paths + Selection::work(space) * rows.count
+        let guided = Work::bytes(2 * size_of_val(self.guide.samples()));
+        guided + paths + Selection::work(space) * rows.count
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
@@ -214,28 +225,20 @@ impl SemiGlobalMatching {
         profile.end("surfaces", self.prior.fit(level, &map.values, filled));
         let mut done = self.optimize(space, search, confidence, true);
         if ingredients.has(Ingredient::Descriptors) {
-            done = done + self.reject_unsure(search, confidence);
+            done = done + self.reject_unsure(confidence);
         }
         profile.end(PATHS, done);
     }
 
     /// Takes out winners of pixels in doubt that are not clearly better than other disparities.
-    fn reject_unsure(&mut self, search: Search<'_>, confidence: &[f32]) -> Work {
-        let Search { work, width, .. } = search;
-        let values = &mut self.left.map.values;
-        let columns = values.columns();
-        let rows = values.samples_mut().chunks_exact_mut(columns).zip(confidence.chunks(width));
-        for (y, (values, confidence)) in rows.enumerate() {
-            let confidence = &confidence[work.x0..][..columns];
-            let doubtful = self.doubtful.row(y);
-            for ((value, &confidence), &doubtful) in values.iter_mut().zip(confidence).zip(doubtful)
-            {
-                if doubtful && confidence < SURE {
-                    *value = f32::NAN;
-                }
+    fn reject_unsure(&mut self, confidence: &[f32]) -> Work {
+        let pixels = self.left.map.values.samples_mut().iter_mut().zip(confidence);
+        for ((value, &confidence), &doubtful) in pixels.zip(self.doubtful.samples()) {
+            if doubtful && confidence < SURE {
+                *value = f32::NAN;
             }
         }
-        Work::bytes((4 + 4 + 1) * columns * work.rows())
+        Work::bytes((4 + 4 + 1) * confidence.len())
     }
 
     /// Checks the left view against the right one, and that against the left one as it was.
@@ -256,8 +259,8 @@ impl SemiGlobalMatching {
 
     /// Lets pixels of the left view, which is filled, choose planes around them, before it those of the
     /// right one. One without a match is as confident as the judge is certain, one with a match as both are.
-    fn choose(&mut self, search: Search<'_>, confidence: &mut [f32], profile: &mut Profile) {
-        let Search { ingredients, level, grey, work, width, range, .. } = search;
+    fn choose(&mut self, search: Search<'_>, confidence: &mut Plane<f32>, profile: &mut Profile) {
+        let Search { ingredients, level, grey, work, range, .. } = search;
         let further = ingredients.has(Ingredient::FurtherChoices);
         if ingredients.has(Ingredient::RightChoices) {
             let (left, right) = (&self.left, &mut self.right);
@@ -266,7 +269,6 @@ impl SemiGlobalMatching {
             profile.end("choices in the right view", done);
         }
         let View { map, filled, .. } = &mut self.left;
-        let columns = work.x0..work.x0 + filled.columns();
         let given = Given {
             doubtful: &self.doubtful,
             grey,
@@ -276,21 +278,14 @@ impl SemiGlobalMatching {
             least: range.min() as f32,
             most: range.max() as f32,
         };
-        let rows = search.rows.count;
-        let before = raster::View::new(columns.len(), rows, width, &confidence[work.x0..])
-            .expect("the part lies in the image");
         let rounds = if further { usize::MAX } else { 1 };
-        let done = self.choices.run(level, rounds, &given, before, filled, map);
+        let done = self.choices.run(level, rounds, &given, confidence, filled, map);
         self.choices.learn(level, &given, filled, map);
         if ingredients.has(Ingredient::PathMargin) {
-            let certainty = self.choices.certainty().chunks_exact(columns.len());
-            let told = certainty.zip(map.reasons.samples().chunks_exact(columns.len()));
-            for (to, (certainty, reasons)) in confidence.chunks_exact_mut(width).zip(told) {
-                let to = to[columns.clone()].iter_mut();
-                for ((to, &certainty), reason) in to.zip(certainty).zip(reasons) {
-                    let certainty = certainty::share(certainty);
-                    *to = if *reason == Reason::Matched { *to * certainty } else { certainty };
-                }
+            let told = self.choices.certainty().iter().zip(map.reasons.samples());
+            for (to, (&certainty, reason)) in confidence.samples_mut().iter_mut().zip(told) {
+                let certainty = certainty::share(certainty);
+                *to = if *reason == Reason::Matched { *to * certainty } else { certainty };
             }
         }
         // Confidence is multiplied by the certainty where there is a match.
@@ -319,7 +314,8 @@ impl Pipeline for SemiGlobalMatching {
 
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
         let work = surroundings(frame.bounds, frame.size());
-        let space = SearchSpace::new(frame.size().0, work, frame.range);
+        let every = self.choices.jury().reach.every;
+        let space = SearchSpace::of_every(every, frame.size().0, work, frame.range);
         self.needs(frame, work, &space).least()
     }
 
@@ -332,10 +328,11 @@ impl Pipeline for SemiGlobalMatching {
         let bounds = frame.bounds;
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
-        // Rows that no judge asks need not be matched.
-        let rows = MatchedRows::of(work, self.choices.jury().reach.every);
-        let columns = work.columns();
-        let space = SearchSpace::new(width, work, frame.range);
+        // What no judge asks need not be matched.
+        let every = self.choices.jury().reach.every;
+        let rows = MatchedRows::of(work, every);
+        let space = SearchSpace::of_every(every, width, work, frame.range);
+        let columns = space.columns();
         let bands = self.needs(frame, work, &space).bands(self.memory);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
@@ -362,10 +359,10 @@ impl Pipeline for SemiGlobalMatching {
         };
         // The answer's disparities come last: until then the right view has their memory.
         self.right.map.values = std::mem::take(&mut map.values);
-        self.left.begin(work.x0, columns, rows.count);
-        self.right.begin(0, width, rows.count);
+        self.left.begin((work.x0, every), columns, rows.count);
+        self.right.begin((0, 1), width, rows.count);
         let mut sure = std::mem::take(&mut self.confidence);
-        sure.reshape(width, rows.count, 0.0);
+        sure.reshape(columns, rows.count, 0.0);
         let confidence = sure.samples_mut();
         let chooses = space.count > 0 && ingredients.has(Ingredient::LearnedChoice);
         if space.count > 0 {
@@ -409,25 +406,37 @@ impl Pipeline for SemiGlobalMatching {
         }
         profile.end(FILL, done);
         if chooses {
-            self.choose(search, confidence, profile);
+            self.choose(search, &mut sure, profile);
         }
         let View { map: left, filled, steps, .. } = &mut self.left;
         let filled = if chooses { filled } else { &mut self.right.map.values };
+        let mut done = Work::default();
+        let (values, reasons, confidence) = if space.apart > 1 {
+            let matched = columns_between::Matched {
+                values: filled,
+                reasons: &left.reasons,
+                confidence: &sure,
+            };
+            done = self.between.spread(level, search.matched_rows(), ONE_SURFACE, matched);
+            let columns_between::Map { values, reasons, confidence } = &mut self.between;
+            (values, &*reasons, confidence)
+        } else {
+            (filled, &left.reasons, &mut sure)
+        };
         if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
-            let (values, reasons, first) = (&mut *filled, &left.reasons, left.first);
+            let (values, first) = (&mut *values, left.first);
             let shifted = least_squares::Map { values, reasons, first, rows, range };
             profile.end("least squares", self.least_squares.refine(level, grey, shifted));
         }
-        let filled = &*filled;
-        let stepped = in_steps(level, search.numbers, filled, steps);
+        done = done + in_steps(level, search.numbers, values, steps);
         // Without a search there is one value everywhere.
-        let nowhere = filled.row(0)[0];
+        let nowhere = values.row(0)[0];
         map.values = std::mem::take(&mut self.right.map.values);
         map.values.reshape(width, height, nowhere);
         let judged = chooses && ingredients.has(Ingredient::PathMargin);
-        let answered = self.answer.spread(search, judged, &self.left, &mut sure, map);
+        done = done + self.answer.spread(search, judged, (steps, reasons), confidence, map);
         self.confidence = sure;
-        profile.end("answer", stepped + answered);
+        profile.end("answer", done);
         let medians = match space.count {
             0 => {
                 map.values.samples_mut().fill(nowhere);

@@ -39,6 +39,14 @@ pub(super) struct Search<'a> {
     pub penalties: Penalties,
 }
 
+impl<'a> Search<'a> {
+    /// The grey values of the rows that are matched, of all columns of their part.
+    pub fn matched_rows(&self) -> raster::View<'a, u8> {
+        let Self { grey, work, rows, .. } = self;
+        grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1).every_row(rows.apart)
+    }
+}
+
 /// One view with everything that is done to it.
 #[derive(Default)]
 pub(super) struct View {
@@ -50,15 +58,16 @@ pub(super) struct View {
 }
 
 impl View {
-    pub fn begin(&mut self, first: usize, columns: usize, rows: usize) {
-        self.map.first = first;
+    /// Takes the memory of a map that begins at a column and has every so many-th.
+    pub fn begin(&mut self, (first, apart): (usize, usize), columns: usize, rows: usize) {
+        (self.map.first, self.map.apart) = (first, apart);
         self.map.values.reshape(columns, rows, f32::NAN);
     }
 
     /// Takes out what the other view does not confirm, and small groups.
     pub fn check(&mut self, search: Search<'_>, other: &Plane<f32>, other_first: usize) -> Work {
         let Search { ingredients, level, numbers, width, .. } = search;
-        let least = LEAST_GROUP / search.rows.apart;
+        let least = LEAST_GROUP / (search.rows.apart * self.map.apart);
         let checked = if ingredients.has(Ingredient::LeftRightCheck) {
             cross_check(level, width, &mut self.map, other, other_first)
         } else {

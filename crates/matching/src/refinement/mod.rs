@@ -1,6 +1,7 @@
 //! Outliers out, occlusions filled, edges sharpened, confidence.
 
 pub(crate) mod choice;
+pub(crate) mod columns_between;
 pub(crate) mod groups;
 pub(crate) mod least_squares;
 pub(crate) mod median;

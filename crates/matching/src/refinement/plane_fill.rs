@@ -45,31 +45,38 @@ impl End {
         Self { column, value: row[column], slope: 0.0 }
     }
 
-    fn continued(self, column: usize) -> f32 {
+    fn continued(self, column: usize, farthest: f32) -> f32 {
         let distance = column as f32 - self.column as f32;
-        self.value + self.slope * distance.clamp(-FARTHEST, FARTHEST)
+        self.value + self.slope * distance.clamp(-farthest, farthest)
     }
 }
 
 /// A hole in a row: where it lies, and what stands beside it.
 struct Hole {
     columns: Range<usize>,
+    /// How far its columns are apart in the image.
+    apart: f32,
     before: Option<End>,
     after: Option<End>,
 }
 
 impl Hole {
-    fn new(row: &[f32], columns: Range<usize>) -> Self {
+    fn new(row: &[f32], columns: Range<usize>, apart: usize) -> Self {
         let before = columns.start.checked_sub(1).map(|x| End::flat(row, x));
         let after = (columns.end < row.len()).then(|| End::flat(row, columns.end));
-        Self { columns, before, after }
+        Self { columns, apart: apart as f32, before, after }
+    }
+
+    /// How wide it is in the image, in pixels.
+    fn width(&self) -> f32 {
+        self.apart * self.columns.len() as f32
     }
 
     /// Both ends where they are of one surface.
     fn one_surface(&self) -> Option<(End, End)> {
         let (before, after) = self.before.zip(self.after)?;
         let step = (after.value - before.value).abs();
-        let one = step <= ONE_SURFACE && WIDER * step <= self.columns.len() as f32;
+        let one = step <= ONE_SURFACE && WIDER * step <= self.width();
         one.then_some((before, after))
     }
 
@@ -77,7 +84,7 @@ impl Hole {
     /// stays in front of it whatever its slope, and then it does not matter. Says how many planes were
     /// fitted.
     fn find_slopes(&mut self, level: Level, values: &Plane<f32>, y: usize) -> usize {
-        let reach = STEEPEST * self.columns.len() as f32;
+        let (reach, steepest) = (STEEPEST * self.width(), STEEPEST * self.apart);
         let (lower, higher) = match (&mut self.before, &mut self.after) {
             (Some(before), Some(after)) if before.value > after.value => {
                 (Some(after), Some(before))
@@ -90,7 +97,7 @@ impl Hole {
                 break;
             }
             let slope = Surface::fit::<COARSE>(level, values, end.column, y).along;
-            end.slope = slope.clamp(-STEEPEST, STEEPEST);
+            end.slope = slope.clamp(-steepest, steepest);
             highest = end.value + end.slope.abs() * self.columns.len() as f32;
             fits += 1;
         }
@@ -99,7 +106,8 @@ impl Hole {
 
     /// What fills column `x`.
     fn value(&self, x: usize, hidden: bool) -> Option<f32> {
-        let at = |end: End| if hidden { end.continued(x) } else { end.value };
+        let farthest = FARTHEST / self.apart;
+        let at = |end: End| if hidden { end.continued(x, farthest) } else { end.value };
         match (self.before, self.after) {
             (Some(before), Some(after)) => Some(at(before).min(at(after))),
             (end, None) | (None, end) => end.map(at),
@@ -121,10 +129,10 @@ pub(crate) fn fill(
     let continues = ingredients.has(Ingredient::PlaneFill);
     let (columns, rows) = view.values.size();
     out.reshape(columns, rows, f32::NAN);
-    let (first, values) = (view.first, &view.values);
+    let &mut ViewMap { first, apart, ref values, ref mut reasons } = view;
     let (least, most) = (range.min() as f32, range.max() as f32);
-    let reasons = view.reasons.samples_mut().par_chunks_mut(columns);
-    let rows = out.samples_mut().par_chunks_mut(columns).zip(reasons).enumerate();
+    let of_rows = reasons.samples_mut().par_chunks_mut(columns);
+    let rows = out.samples_mut().par_chunks_mut(columns).zip(of_rows).enumerate();
     let fits = rows
         .map(|(y, (out, reasons))| {
             let (row, mut fits) = (values.row(y), 0);
@@ -136,7 +144,7 @@ pub(crate) fn fill(
                     continue;
                 }
                 let end = row[x..].iter().position(|v| !v.is_nan()).map_or(columns, |n| x + n);
-                let mut hole = Hole::new(row, x..end);
+                let mut hole = Hole::new(row, x..end, apart);
                 x = end;
                 let inner = hole.before.is_some() && hole.after.is_some();
                 let hidden = |reason| !inner || reason == Reason::OccludedHole;
@@ -159,16 +167,16 @@ pub(crate) fn fill(
                         },
                     };
                     out[u] = value.clamp(least, most);
-                    *reason = filled(width, first + u, out[u], *reason);
+                    *reason = filled(width, first + apart * u, out[u], *reason);
                 }
             }
             fits
         })
         .sum::<usize>();
     let nowhere = 0.clamp(range.min(), range.max()) as f32;
-    let reasons = &mut view.reasons;
     copy_nearest_rows(out.samples_mut(), columns, f32::is_nan, nowhere, |y, row| {
-        for ((x, &value), reason) in (first..).zip(row).zip(reasons.row_mut(y)) {
+        let columns = (first..).step_by(apart);
+        for ((x, &value), reason) in columns.zip(row).zip(reasons.row_mut(y)) {
             *reason = filled(width, x, value, *reason);
         }
     });
@@ -186,7 +194,7 @@ mod tests {
     fn view(values: Plane<f32>) -> ViewMap {
         let reasons =
             values.map(|v| if v.is_nan() { Reason::OccludedHole } else { Reason::Matched });
-        ViewMap { first: 0, values, reasons }
+        ViewMap { first: 0, apart: 1, values, reasons }
     }
 
     fn filled_rows(view: &mut ViewMap) -> Plane<f32> {

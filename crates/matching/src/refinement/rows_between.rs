@@ -10,9 +10,9 @@ use crate::profile::Work;
 /// Rows of a map: disparities in fixed point, the reasons for them, how sure they are.
 #[derive(Clone, Copy)]
 pub(crate) struct Matched<'a> {
-    pub steps: View<'a, u16>,
-    pub reasons: View<'a, Reason>,
-    pub confidence: View<'a, f32>,
+    pub steps: &'a Plane<u16>,
+    pub reasons: &'a Plane<Reason>,
+    pub confidence: &'a Plane<f32>,
 }
 
 /// One of them.
@@ -129,8 +129,7 @@ mod tests {
         let reasons =
             steps.map(|&s| if s % 2 == 0 { Reason::Matched } else { Reason::OccludedFilled });
         let confidence = steps.map(|&s| f32::from(s) / 1000.0);
-        let matched =
-            Matched { steps: steps.view(), reasons: reasons.view(), confidence: confidence.view() };
+        let matched = Matched { steps, reasons: &reasons, confidence: &confidence };
         let mut out = (
             Plane::default(),
             Plane::filled(columns + 3, rows + 2, Reason::OutsideBox),

@@ -23,10 +23,10 @@ pub(crate) struct Selection<'a> {
     pub first: usize,
     /// Per row `space.columns()` disparities of the left view.
     pub left: &'a mut [f32],
+    /// The confidence of each.
+    pub confidence: &'a mut [f32],
     /// Per row `space.width` disparities of the right view, as it looks in a mirror.
     pub right: &'a mut [f32],
-    /// Rows of the image: the confidence of the columns that are answered.
-    pub confidence: &'a mut [f32],
     /// Scratch.
     pub winners: &'a mut Winners,
 }
@@ -43,7 +43,7 @@ impl Selection<'_> {
         let (space, row, columns) = (self.space, y - self.first, self.space.columns());
         self.winners.select(self.level, space, sums);
         let left = &mut self.left[row * columns..][..columns];
-        let confidence = &mut self.confidence[row * space.width + space.first..][..columns];
+        let confidence = &mut self.confidence[row * columns..][..columns];
         let winners = (&self.winners.left[..], &self.winners.margins[..]);
         let Self { level, sub_pixel, least_margin, .. } = *self;
         left_row(level, space, sub_pixel, least_margin, sums, winners, left, confidence);
@@ -60,7 +60,7 @@ struct Found {
     /// Disparities, counted from the smallest.
     disparity: [u16; BLOCK],
     is_match: [bool; BLOCK],
-    /// The columns that are answered in which their sums lie, where both disparities beside them are tried.
+    /// The matched columns in which their sums lie, where both disparities beside them are tried.
     column: [u32; BLOCK],
     is_inner: [bool; BLOCK],
     /// The sums before, at and after the winner; all zero at the ends of the range, where there is no
@@ -143,9 +143,10 @@ at_every_level! {
             keys[..values.len()].copy_from_slice(&winners[first..][..values.len()]);
             margins[..values.len()].copy_from_slice(&differences[first..][..values.len()]);
             let is_sure = margins.map(|margin| margin >= least_margin);
+            let in_image = |column: i32| space.first as i32 + space.apart as i32 * column;
             let mut found = Found::among(keys, is_sure, |disparity, i| {
                 let column = first as i32 + i;
-                let [lowest, highest] = space.ends(space.first as i32 + column);
+                let [lowest, highest] = space.ends(in_image(column));
                 (column, (disparity > lowest) & (disparity < highest))
             });
             found.look_up(sums, space.lanes, 1);
@@ -169,18 +170,19 @@ at_every_level! {
         let (last, columns) = (space.count as i32 - 1, space.columns() as i32);
         // The left column that disparity 0 of the first pixel meets.
         let meets = space.mirrored(space.first) as i32;
+        // Their sums stand along a diagonal, of which every second column has but one.
+        let (shift, apart) = if space.apart == 1 { (0, space.lanes + 1) } else { (1, 1) };
         let mut pixels = [0.0; BLOCK];
         for (block, values) in values.chunks_mut(BLOCK).enumerate() {
             let first = block * BLOCK;
             let mut keys = [Key::NONE; BLOCK];
             keys[..values.len()].copy_from_slice(&winners[first..][..values.len()]);
             let mut found = Found::among(keys, [true; BLOCK], |disparity, i| {
-                let column = meets - first as i32 - i + disparity;
+                let column = (meets - first as i32 - i + disparity) >> shift;
                 let inside = (column > 0) & (column + 1 < columns);
                 (column, inside & (disparity > 0) & (disparity < last))
             });
-            // Their sums stand along a diagonal.
-            found.look_up(sums, space.lanes, space.lanes + 1);
+            found.look_up(sums, space.lanes, apart);
             found.in_pixels(space.min, sub_pixel, &mut pixels);
             values.copy_from_slice(&pixels[..values.len()]);
         }
@@ -202,7 +204,7 @@ mod tests {
         };
         let known = winners.left.iter().zip(&winners.margins);
         let left = known.enumerate().map(|(x, (winner, &margin))| {
-            let candidates = space.candidates(space.first + x);
+            let candidates = space.candidates(space.in_image(x));
             let Some(k) = winner.disparity().filter(|_| margin >= selection.least_margin) else {
                 return f32::NAN;
             };
@@ -214,8 +216,11 @@ mod tests {
         let right = winners.right(space).iter().zip((0..space.width).rev()).map(|(winner, x)| {
             let Some(k) = winner.disparity() else { return f32::NAN };
             let column = (x as i64 + i64::from(space.min) + k as i64) as usize - space.first;
+            let column = column / space.apart;
             let inner = (1..space.columns() - 1).contains(&column) && k > 0 && k + 1 < space.count;
-            let tip = || tip_of_v(sum(column - 1, k - 1), sum(column, k), sum(column + 1, k + 1));
+            let way = usize::from(space.apart == 1);
+            let tip =
+                || tip_of_v(sum(column - way, k - 1), sum(column, k), sum(column + way, k + 1));
             value(k, if inner { tip() } else { 0.0 })
         });
         [left.collect(), right.collect(), confidence.collect()]
@@ -233,18 +238,22 @@ mod tests {
         ] {
             let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
             let range = DisparityRange::new(range.0, range.1).unwrap();
-            let space = SearchSpace::new(width, bounds, range);
-            let sums: Vec<u16> = (0..space.columns() * space.lanes).map(|_| random(400)).collect();
-            for (level, sub_pixel) in
-                Level::available().into_iter().flat_map(|l| [(l, true), (l, false)])
+            let spaces = [1, 2].map(|apart| SearchSpace::of_every(apart, width, bounds, range));
+            let pairs = spaces[0].columns() * spaces[0].lanes;
+            let sums: Vec<u16> = (0..pairs).map(|_| random(400)).collect();
+            let cases = spaces.iter().flat_map(|space| [(space, true), (space, false)]);
+            let levels = Level::available().into_iter();
+            for (level, (space, sub_pixel)) in
+                levels.flat_map(|l| cases.clone().map(move |case| (l, case)))
             {
-                eprintln!("level {}", level.name());
+                eprintln!("level {}, every {}", level.name(), space.apart);
+                let sums = &sums[..space.columns() * space.lanes];
                 let mut winners = Winners::default();
                 let (mut left, mut right) = (vec![9.0; space.columns()], vec![9.0; width]);
-                let mut confidence = vec![9.0; width];
+                let mut confidence = vec![9.0; space.columns()];
                 let mut selection = Selection {
                     level,
-                    space: &space,
+                    space,
                     sub_pixel,
                     least_margin: 2,
                     first: 5,
@@ -253,10 +262,9 @@ mod tests {
                     confidence: &mut confidence,
                     winners: &mut winners,
                 };
-                selection.row(5, &sums);
-                let expected = definition(&selection, &sums);
-                let sure = confidence[space.first..][..space.columns()].to_vec();
-                for (found, expected) in [left, right, sure].iter().zip(&expected) {
+                selection.row(5, sums);
+                let expected = definition(&selection, sums);
+                for (found, expected) in [left, right, confidence].iter().zip(&expected) {
                     let bits =
                         |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
                     assert_eq!(bits(found), bits(expected), "{space:?}");

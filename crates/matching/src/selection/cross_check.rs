@@ -23,12 +23,14 @@ const TOLERANCE: f32 = 1.0;
 pub(crate) struct ViewMap {
     /// The column of the image at which the map begins, in the mirror for the right view.
     pub first: usize,
+    /// Columns of the image from one to the next: 1, or 2 where a column stands for itself and the next.
+    pub apart: usize,
     pub values: Plane<f32>,
     pub reasons: Plane<Reason>,
 }
 
-/// Confirms the matches of `view` by those of `other`: writes `view.reasons`, and NaN where it does
-/// not. `width` is that of both images. Both views are read, and reasons written; each pixel of either
+/// Confirms the matches of `view` by those of `other`, which has all columns: writes `view.reasons`, and NaN where
+/// it does not. `width` is that of both images. Both views are read, and reasons written; each pixel of either
 /// takes at least three subtractions and a comparison of 32 bits.
 pub(crate) fn cross_check(
     level: Level,
@@ -39,12 +41,12 @@ pub(crate) fn cross_check(
 ) -> Work {
     let (columns, rows) = view.values.size();
     view.reasons.reshape(columns, rows, Reason::OccludedHole);
-    let first = view.first;
+    let place = (view.first, view.apart);
     let rows = view.values.samples_mut().par_chunks_mut(columns);
     let rows = rows.zip(view.reasons.samples_mut().par_chunks_mut(columns)).enumerate();
     rows.for_each(|(y, (values, reasons))| {
         reasons.fill(Reason::OccludedHole);
-        check_row(level, width, (values, first), (other.row(y), other_first), reasons);
+        check_row(level, width, (values, place), (other.row(y), other_first), reasons);
     });
     let ViewMap { values, reasons, .. } = view;
     let (values, other) = (values.samples(), other.samples());
@@ -59,23 +61,23 @@ const NOWHERE: u32 = u32::MAX;
 
 at_every_level! {
     /// Checks a row, of which `reasons` say that all of it is occluded. Rows come with the column at
-    /// which they begin.
+    /// which they begin, that of the view with how far its columns are apart.
     fn check_row(
         width: usize,
-        view: (&mut [f32], usize),
+        view: (&mut [f32], (usize, usize)),
         other: (&[f32], usize),
         reasons: &mut [Reason],
     ) {
-        let ((values, first), (other, other_first)) = (view, other);
+        let ((values, (first, apart)), (other, other_first)) = (view, other);
         let columns = values.len();
         let mut block = [f32::NAN; BLOCK];
         for (i, other) in other.chunks(BLOCK).enumerate() {
             block[..other.len()].copy_from_slice(other);
-            let inside = (0.0f32.next_down(), ((columns - 1) as f32).next_up());
-            let targets = targets(width, &block, other_first + i * BLOCK, first, inside);
+            let inside = (0.0f32.next_down(), ((apart * columns - 1) as f32).next_up());
+            let targets = targets(width, &block, (other_first + i * BLOCK, 1), first, inside);
             for &target in &targets[..other.len()] {
                 if target != NOWHERE {
-                    reasons[target as usize] = Reason::MismatchedHole;
+                    reasons[target as usize / apart] = Reason::MismatchedHole;
                 }
             }
         }
@@ -84,7 +86,8 @@ at_every_level! {
         for (i, values) in values.chunks_mut(BLOCK).enumerate() {
             let start = i * BLOCK;
             block[..values.len()].copy_from_slice(values);
-            let off = disagreements_of_block(width, &block, first + start, other, other_first);
+            let place = (first + apart * start, apart);
+            let off = disagreements_of_block(width, &block, place, other, other_first);
             let mut confirmed = [f32::NAN; BLOCK];
             for x in 0..BLOCK {
                 confirmed[x] = if off[x] <= TOLERANCE { block[x] } else { f32::NAN };
@@ -113,16 +116,17 @@ at_every_level! {
     /// By how much the two views differ in a row.
     fn disagreements_of_row(
         width: usize,
-        view: (&[f32], usize),
+        view: (&[f32], (usize, usize)),
         other: (&[f32], usize),
         out: &mut [f32],
     ) {
-        let ((values, first), (other, other_first)) = (view, other);
+        let ((values, (first, apart)), (other, other_first)) = (view, other);
         let mut block = [f32::NAN; BLOCK];
         let rows = values.chunks(BLOCK).zip(out.chunks_mut(BLOCK));
         for (i, (values, out)) in rows.enumerate() {
             block[..values.len()].copy_from_slice(values);
-            let off = disagreements_of_block(width, &block, first + i * BLOCK, other, other_first);
+            let place = (first + apart * i * BLOCK, apart);
+            let off = disagreements_of_block(width, &block, place, other, other_first);
             out.copy_from_slice(&off[..out.len()]);
         }
     }
@@ -134,12 +138,12 @@ at_every_level! {
 fn disagreements_of_block(
     width: usize,
     disparities: &[f32; BLOCK],
-    first: usize,
+    place: (usize, usize),
     other: &[f32],
     other_first: usize,
 ) -> [f32; BLOCK] {
     let inside = (-0.5, other.len() as f32 - 0.5);
-    let targets = targets(width, disparities, first, other_first, inside);
+    let targets = targets(width, disparities, place, other_first, inside);
     let mut off = [f32::NAN; BLOCK];
     for (off, &target) in off.iter_mut().zip(&targets) {
         *off = other.get(target as usize).copied().unwrap_or(f32::NAN);
@@ -150,20 +154,20 @@ fn disagreements_of_block(
     off
 }
 
-/// The places in the other view, which begins at column `other_first`, that the disparities of the
-/// columns from `first` on point at, if these lie between two bounds.
+/// The columns of the other view, counted from `other_first`, that the disparities of columns point at, if these
+/// lie between two bounds. The columns begin at one and lie some apart.
 #[inline(always)]
 fn targets(
     width: usize,
     disparities: &[f32; BLOCK],
-    first: usize,
+    (first, apart): (usize, usize),
     other_first: usize,
     (above, below): (f32, f32),
 ) -> [u32; BLOCK] {
     let (mirrored, other_first) = ((width - 1) as f32, other_first as f32);
     let mut targets = [NOWHERE; BLOCK];
     for i in 0..BLOCK {
-        let target = mirrored - ((first + i) as f32 - disparities[i]) - other_first;
+        let target = mirrored - ((first + apart * i) as f32 - disparities[i]) - other_first;
         let inside = (target > above) & (target < below);
         // To the nearest: nothing here is below -0.5.
         targets[i] = if inside { (target + 0.5) as i32 as u32 } else { NOWHERE };
@@ -171,8 +175,7 @@ fn targets(
     targets
 }
 
-/// By how much the two views differ in every pixel of `view`; NaN where either has no disparity. `out`
-/// has rows of the image, from the first row of `view` on.
+/// By how much the two views differ in every pixel of `view`; NaN where either has no disparity.
 pub(crate) fn disagreements(
     level: Level,
     width: usize,
@@ -181,17 +184,11 @@ pub(crate) fn disagreements(
     other_first: usize,
     out: &mut [f32],
 ) {
-    let ViewMap { first, values, .. } = view;
-    let rows = out.par_chunks_mut(width).take(values.rows());
-    rows.enumerate().for_each(|(y, out)| {
-        let out = &mut out[*first..][..values.columns()];
-        disagreements_of_row(
-            level,
-            width,
-            (values.row(y), *first),
-            (other.row(y), other_first),
-            out,
-        );
+    let &ViewMap { first, apart, ref values, .. } = view;
+    let rows = out.par_chunks_mut(values.columns()).enumerate();
+    rows.for_each(|(y, out)| {
+        let (row, other) = ((values.row(y), (first, apart)), (other.row(y), other_first));
+        disagreements_of_row(level, width, row, other, out);
     });
 }
 
@@ -209,7 +206,7 @@ mod tests {
         let mirror = Plane::new(8, 1, mirror).unwrap();
         let values = Plane::new(8, 1, vec![0.0, 0.4, NONE, 3.0, 2.0, 5.0, 1.0, 4.0]).unwrap();
         let reasons = Plane::filled(8, 1, Reason::OutsideBox);
-        let mut view = ViewMap { first: 0, values, reasons };
+        let mut view = ViewMap { first: 0, apart: 1, values, reasons };
         cross_check(Level::detect(), 8, &mut view, &mirror, 0);
         use Reason::{Matched as M, MismatchedHole as X, OccludedHole as O};
         // Left 2 and 4 stand beside what is pointed at; left 5 lands on right 0, which says 3.
@@ -246,13 +243,13 @@ mod tests {
         let mut seen = vec![false; values.len()];
         for (u, d) in other.iter().enumerate() {
             let target = mirrored - ((u + other_first) as f32 - d) - view.first as f32;
-            if (0.0..=(values.len() - 1) as f32).contains(&target) {
-                let target = (target + 0.5) as usize;
+            if (0.0..=(view.apart * values.len() - 1) as f32).contains(&target) {
+                let target = (target + 0.5) as usize / view.apart;
                 seen[target.saturating_sub(1)..(target + 2).min(values.len())].fill(true);
             }
         }
         let check = |(x, &value): (usize, &f32)| {
-            let column = (view.first + x) as f32;
+            let column = (view.first + view.apart * x) as f32;
             let off = disagreement(mirrored, column, value, other, other_first);
             match (off <= TOLERANCE, seen[x]) {
                 (true, _) => (Reason::Matched, value.to_bits()),
@@ -267,7 +264,9 @@ mod tests {
     fn rows_are_the_definitions_at_every_level() {
         let mut chance = Chance(5);
         let mut random = |n: u32| chance.below(n);
-        for (width, first, columns) in [(200, 0, 200), (150, 20, 100), (9, 3, 2)] {
+        for (width, first, columns, apart) in
+            [(200, 0, 200, 1), (150, 20, 100, 1), (9, 3, 2, 1), (300, 5, 140, 2), (9, 0, 5, 2)]
+        {
             // Halves, so that some point at the very middle between two.
             let mut row = |columns: usize| -> Vec<f32> {
                 let value = |n: u32| if n < 6 { f32::NAN } else { n as f32 / 2.0 - 4.0 };
@@ -276,15 +275,15 @@ mod tests {
             let (values, other) = (row(columns), row(width));
             let values = Plane::new(columns, 1, values).unwrap();
             let reasons = values.map(|_| Reason::OutsideBox);
-            let view = ViewMap { first, values, reasons };
+            let view = ViewMap { first, apart, values, reasons };
             let expected = definition(width, &view, &other, 0);
             let other = Plane::new(width, 1, other).unwrap();
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                let mut off = vec![9.0; width];
+                let mut off = vec![9.0; columns];
                 disagreements(level, width, &view, &other, 0, &mut off);
-                for (x, (&off, &value)) in off[first..].iter().zip(view.values.row(0)).enumerate() {
-                    let column = (first + x) as f32;
+                for (x, (&off, &value)) in off.iter().zip(view.values.row(0)).enumerate() {
+                    let column = (first + apart * x) as f32;
                     let by = disagreement((width - 1) as f32, column, value, other.row(0), 0);
                     assert!(
                         off == by || off.is_nan() && by.is_nan(),

@@ -2,8 +2,9 @@
 //!
 //! Left: `k(x) = argmin_k C(x, k)` over the disparities whose match lies inside the right image.
 //! Right: `k'(x') = argmin_k C(x' + min + k, k)`: the same costs read along their diagonal, so the
-//! second view costs no second matching (Fua 1993; Muehlmann et al. 2002). Of equal costs the
-//! smallest disparity wins, in both views.
+//! second view costs no second matching (Fua 1993; Muehlmann et al. 2002); where only every second
+//! column is matched, the one between has the costs of the one before. Of equal costs the smallest
+//! disparity wins, in both views.
 
 use std::ops::Range;
 
@@ -85,18 +86,22 @@ impl Winners {
         self.margins.clear();
         self.margins.resize(space.columns(), 0);
         self.right.clear();
-        self.right.resize(space.width + 2 * (space.lanes + TAGS), Key::NONE);
+        let met = space.lanes + space.apart * TAGS;
+        self.right.resize(space.width + 2 * met, Key::NONE);
         for right in &mut self.block.right {
-            right.resize(space.lanes + TAGS, NO_SUM);
+            right.resize(met, NO_SUM);
         }
         self.block.parts.resize(space.lanes.div_ceil(PART), Part::EMPTY);
         let Self { left, margins, right, block } = self;
         select_row(level, space, sums, (left, margins), right, block);
+        if space.apart > 1 {
+            meet_next(level, right);
+        }
     }
 
     /// The winners of the right view, which stands in a mirror.
     pub fn right(&self, space: &SearchSpace) -> &[Key] {
-        &self.right[space.lanes + TAGS..][..space.width]
+        &self.right[space.lanes + space.apart * TAGS..][..space.width]
     }
 }
 
@@ -123,10 +128,10 @@ at_every_level! {
         let blocks = sums.chunks(TAGS * space.lanes);
         let blocks = blocks.zip(left.chunks_mut(TAGS)).zip(margins.chunks_mut(TAGS));
         for (number, ((sums, left), margins)) in blocks.enumerate() {
-            let first = space.first + number * TAGS;
             let columns = sums.len() / space.lanes;
+            let column = |i: usize| space.in_image(number * TAGS + i);
             // Where two columns try all disparities, those between do.
-            let ends = [first, first + columns - 1].map(|x| space.candidates(x).len());
+            let ends = [0, columns - 1].map(|i| space.candidates(column(i)).len());
             let all = ends == [space.lanes; 2];
             for right in &mut block.right {
                 right.fill(NO_SUM);
@@ -134,9 +139,10 @@ at_every_level! {
             for (part, start) in block.parts.iter_mut().zip((0..).step_by(PART)) {
                 let count = PART.min(space.lanes - start);
                 for (i, sums) in sums.chunks_exact(space.lanes).enumerate() {
-                    // In the mirror a column further on lies one before.
-                    let right = &mut block.right[i % TURNS][TAGS - i + start..][..count];
-                    let (sums, tried) = (&sums[start..][..count], space.candidates(first + i));
+                    // In the mirror a column further on lies before.
+                    let place = space.apart * (TAGS - i) + start;
+                    let right = &mut block.right[i % TURNS][place..][..count];
+                    let (sums, tried) = (&sums[start..][..count], space.candidates(column(i)));
                     (part.least[i], part.next[i]) = if all {
                         meet_column::<true>(0..count, sums, i as u16, right)
                     } else {
@@ -145,15 +151,23 @@ at_every_level! {
                     };
                 }
             }
-            if (first..).take(columns).any(|x| !space.candidates(x).is_empty()) {
+            if (0..columns).any(|i| !space.candidates(column(i)).is_empty()) {
                 let (keys, differences) = select_block(&block.parts);
                 left.copy_from_slice(&keys[..columns]);
                 margins.copy_from_slice(&differences[..columns]);
                 // Where disparity 0 of the block's first column stands, and so many before.
-                let place = space.mirrored(first) + space.lanes as i64;
+                let place = space.mirrored(column(0)) + space.lanes as i64;
                 let met = &mut right[place as usize..][..block.right[0].len()];
-                meet_block(&block.right, met);
+                meet_block(&block.right, space.apart as u32, met);
             }
+        }
+    }
+
+    /// Right pixels take what the one after them in the mirror has, if its sum is smaller: they are met by the
+    /// column between, which has the sums of the one before.
+    fn meet_next(right: &mut [Key]) {
+        for place in 1..right.len() {
+            right[place - 1].0 = right[place - 1].0.min(right[place].0);
         }
     }
 }
@@ -279,13 +293,13 @@ fn least_with_lane(columns: &[[u16; LANES]; TAGS]) -> (Line<[u16; TAGS]>, Line<[
 
 /// The right pixels of a block meet those of all blocks so far.
 #[inline(always)]
-fn meet_block(turns: &[Vec<u16>; TURNS], right: &mut [Key]) {
+fn meet_block(turns: &[Vec<u16>; TURNS], apart: u32, right: &mut [Key]) {
     let [a, b, c, d] = turns;
     let turns = a.iter().zip(b).zip(c.iter().zip(d));
     for (place, (key, ((a, b), (c, d)))) in right.iter_mut().zip(turns).enumerate() {
         let marked = *a.min(b).min(c.min(d));
         let column = u32::from(marked) % TAGS as u32;
-        let disparity = (place as u32 + column).wrapping_sub(TAGS as u32);
+        let disparity = (place as u32 + apart * column).wrapping_sub(apart * TAGS as u32);
         let sum = u32::from(marked) / TAGS as u32;
         let found = if marked == NO_SUM { Key::NONE.0 } else { sum << 16 | disparity & 0xFFFF };
         key.0 = key.0.min(found);
@@ -311,8 +325,8 @@ mod tests {
 
     /// Left winners with their margins, and right winners in the mirror, disparity by disparity.
     fn definition(space: &SearchSpace, sums: &[u16]) -> Definition {
-        let sum = |x: usize, k: usize| sums[(x - space.first) * space.lanes + k];
-        let columns = space.first..=space.last;
+        let sum = |x: usize, k: usize| sums[(x - space.first) / space.apart * space.lanes + k];
+        let columns = (space.first..=space.last).step_by(space.apart);
         let left = columns.clone().map(|x| {
             let winner = space.candidates(x).min_by_key(|&k| sum(x, k))?;
             let others = space.candidates(x).filter(|k| k.abs_diff(winner) > 1);
@@ -320,11 +334,12 @@ mod tests {
             Some((winner, second.map_or(0, |second| second - sum(x, winner))))
         });
         let right = (0..space.width).rev().map(|right| {
-            let pairs = columns.clone().filter_map(|x| {
-                let k = space
-                    .candidates(x)
-                    .find(|&k| x as i32 - space.min - k as i32 == right as i32)?;
-                Some((sum(x, k), k))
+            let pairs = columns.clone().flat_map(|x| {
+                // A column stands for those up to the next one.
+                let meets =
+                    move |k: usize, u: usize| u as i32 - space.min - k as i32 == right as i32;
+                let is_met = move |k: &usize| (x..x + space.apart).any(|u| meets(*k, u));
+                space.candidates(x).filter(is_met).map(move |k| (sum(x, k), k))
             });
             pairs.min().map(|(_, k)| k)
         });
@@ -348,16 +363,17 @@ mod tests {
             (1200, (0, 60), (-1199, 30)),
         ] {
             let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
-            let space =
-                SearchSpace::new(width, bounds, DisparityRange::new(range.0, range.1).unwrap());
-            let pairs = space.columns() * space.lanes;
+            let range = DisparityRange::new(range.0, range.1).unwrap();
+            let spaces = [1, 2].map(|apart| SearchSpace::of_every(apart, width, bounds, range));
+            let pairs = spaces[0].columns() * spaces[0].lanes;
             // Among few sums many are equal; then those that come near the largest.
             let equal: Vec<u16> = (0..pairs).map(|_| random(40)).collect();
             let large: Vec<u16> = (0..pairs).map(|_| LARGEST - random(40) * random(40)).collect();
-            for (level, sums) in
-                Level::available().into_iter().flat_map(|l| [(l, &equal), (l, &large)])
-            {
-                eprintln!("level {}", level.name());
+            let cases = [&equal, &large].into_iter().flat_map(|sums| spaces.map(|s| (s, sums)));
+            let levels = Level::available().into_iter();
+            for (level, (space, sums)) in levels.flat_map(|l| cases.clone().map(move |c| (l, c))) {
+                eprintln!("level {}, every {}", level.name(), space.apart);
+                let sums = &sums[..space.columns() * space.lanes];
                 let (left, right) = definition(&space, sums);
                 let mut winners = Winners::default();
                 winners.select(level, &space, sums);

@@ -2,7 +2,7 @@
 //!
 //! Candidates are the planes of a pixel itself and of others around it, continued to where it lies.
 //! Neighbours of one row are looked at together: what they look at lies side by side too. Those that
-//! have a choice are then worked on together, from a few rows. Where not all pixels are asked, maps hold those
+//! have a choice are then worked on together, from a few rows. Where not all pixels are matched, maps hold those
 //! that are.
 
 use raster::{Plane, Reason, View};

@@ -12,7 +12,6 @@
 //! threads. What a pixel takes is what its neighbours choose from in the next round, so what is right
 //! spreads: the last judge is asked again and again, where the map moved.
 
-mod between;
 mod block;
 pub(crate) mod certainty;
 mod edges;
@@ -26,7 +25,6 @@ mod reach;
 mod relations;
 mod rounds;
 mod slopes;
-mod sparse;
 mod strip;
 mod windows;
 
@@ -427,7 +425,7 @@ mod tests {
         }
     }
 
-    /// Every second pixel of every second row.
+    /// Every second column of every second row.
     fn second<T: Clone>(plane: &Plane<T>) -> Plane<T> {
         let (columns, rows) = plane.size();
         let sample = |x: usize, y: usize| plane.row(2 * y)[2 * x].clone();

@@ -7,7 +7,7 @@ pub(crate) const MOST: usize = 32;
 /// So many candidates are compared with the others at once: a pixel has whole groups of them.
 pub(super) const GROUP: usize = 4;
 
-/// A place that a candidate comes from, seen from the pixel, in pixels that are asked.
+/// A place that a candidate comes from, seen from the pixel, in pixels that are matched.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     pub columns: i32,
@@ -17,7 +17,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// How many columns and rows of the image away it is where every so many-th pixel is asked.
+    /// How many columns and rows of the image away it is where every so many-th one is matched.
     #[inline(always)]
     pub fn pixels(&self, every: usize) -> [f32; 2] {
         [self.columns, self.rows].map(|way| (way * every as i32) as f32)
@@ -45,19 +45,18 @@ pub(crate) struct Reach {
     /// Who sees so many places that moved in a round, its own among them, is asked again in the next; those of
     /// the inner rings count twice.
     pub moved: u8,
-    /// Every so many-th pixel of every so many-th row of the image is asked, 1 or 2: columns between follow, rows
-    /// between are not matched. Only pixels that are asked are looked at, and places count no others.
+    /// Every so many-th column of every so many-th row of the image is matched, 1 or 2; places count no others.
     pub every: usize,
 }
 
 impl Reach {
-    /// Whether what stands alone is taken out between two rounds. Where not all pixels are asked, what is thin
+    /// Whether what stands alone is taken out between two rounds. Where not all pixels are matched, what is thin
     /// would go with it: three of these pixels are five of the image.
     pub fn smooths(&self) -> bool {
         self.every == 1
     }
 
-    /// How many rows that are asked it goes up or down.
+    /// How many rows that are matched it goes up or down.
     pub fn rows(&self) -> usize {
         self.places.iter().map(|place| place.rows.unsigned_abs() as usize).max().unwrap_or(0)
     }

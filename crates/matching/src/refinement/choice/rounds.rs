@@ -1,6 +1,6 @@
 //! The rounds of choices, one for each judge: all pixels first, then those that see where the map moved.
 
-use raster::{Plane, Reason, View};
+use raster::{Plane, Reason};
 use rayon::prelude::*;
 
 use super::block::{Given, Scene};
@@ -9,7 +9,6 @@ use super::jury::Jury;
 use super::lesson::Lesson;
 use super::moved::Moved;
 use super::reach::Reach;
-use super::sparse::Sparse;
 use super::strip::Strip;
 use super::{Worker, choose};
 use crate::kernels::level::{Level, at_every_level};
@@ -34,28 +33,17 @@ pub(crate) struct Choices {
     strip: Strip,
     /// One for each thread.
     workers: Vec<Worker>,
-    sparse: Sparse,
     /// Where judges are taught: what is known when those that there are have spoken.
     lesson: Option<Lesson>,
 }
 
-/// A map on which a round works: its disparities, the memory of those of the next one, its reasons.
-pub(super) struct Map<'a> {
-    pub values: &'a mut Plane<f32>,
-    pub other: &'a mut Plane<f32>,
-    pub reasons: &'a mut Plane<Reason>,
-}
-
 impl Choices {
-    /// What they take for a map of so many columns and matched rows, in images of a width.
-    pub fn bytes(jury: &Jury, (all, rows): (usize, usize), width: usize) -> usize {
-        let every = jury.reach.every;
-        let columns = all.div_ceil(every);
+    /// What they take for a map of so many columns and rows, in images of a width.
+    pub fn bytes(jury: &Jury, (columns, rows): (usize, usize), width: usize) -> usize {
         let pixels = columns * rows;
         let maps = 2 * size_of::<u8>() * pixels + Moved::bytes(pixels);
         let workers = rayon::current_num_threads() * Worker::bytes(columns, width);
-        let sparse = if every > 1 { Sparse::bytes(pixels, all * rows) } else { 0 };
-        maps + Strip::bytes(columns, rows, width, jury.reach) + workers + sparse
+        maps + Strip::bytes(columns, rows, width, jury.reach) + workers
     }
 
     pub fn new(jury: &'static Jury) -> Self {
@@ -66,7 +54,6 @@ impl Choices {
             moved: Moved::default(),
             strip: Strip::default(),
             workers: Vec::new(),
-            sparse: Sparse::default(),
             lesson: None,
         }
     }
@@ -88,49 +75,22 @@ impl Choices {
 
     /// How sure the last judge was, pixel after pixel, as a [share](super::certainty::share).
     pub fn certainty(&self) -> &[u8] {
-        if self.jury.reach.every > 1 { self.sparse.told() } else { self.certainty.samples() }
+        self.certainty.samples()
     }
 
     /// Lets the pixels of `values`, a map without holes, choose, in so many rounds if the jury has as many.
-    /// The reasons of `map` are theirs; its disparities are overwritten. Where only every so many-th pixel is
-    /// asked, the rows of the map stand as far apart in the image.
+    /// The reasons of `map` are theirs; its disparities are overwritten. The columns and rows of the map stand as far
+    /// apart in the image as the jury wants.
     pub fn run(
         &mut self,
         level: Level,
         rounds: usize,
         given: &Given<'_>,
-        confidence: View<'_, f32>,
+        confidence: &Plane<f32>,
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) -> Work {
         let ViewMap { values: other, reasons, .. } = map;
-        let every = self.jury.reach.every;
-        let mut done = keep(every, confidence, &mut self.certainty);
-        if every == 1 {
-            return done + self.rounds(level, rounds, given, Map { values, other, reasons });
-        }
-        debug_assert!(
-            given.doubtful.samples().is_empty(),
-            "only best, which asks all pixels, doubts"
-        );
-        let mut sparse = std::mem::take(&mut self.sparse);
-        done = done + sparse.take(every, values, reasons);
-        done = done + self.rounds(level, rounds, given, sparse.map());
-        done = done + sparse.follow(level, every, given, values, &self.certainty, other);
-        std::mem::swap(values, other);
-        done = done + unconfirm(level, given, 1, false, other, values, reasons);
-        self.sparse = sparse;
-        done
-    }
-
-    /// Lets pixels choose, round by round.
-    fn rounds(
-        &mut self,
-        level: Level,
-        rounds: usize,
-        given: &Given<'_>,
-        Map { values, other, reasons }: Map<'_>,
-    ) -> Work {
         let Self { jury, certainty, next, moved, strip, workers, .. } = self;
         let reach = jury.reach;
         let (columns, rows) = values.size();
@@ -138,7 +98,7 @@ impl Choices {
         workers.iter_mut().for_each(|worker| worker.reset(columns, given.grey[0].columns()));
         other.reshape(columns, rows, 0.0);
         next.reshape(columns, rows, 0);
-        let mut done = Work::default();
+        let mut done = keep(confidence, certainty);
         let several = Strip::all(rows).count() > 1;
         for (round, judge) in jury.judges.iter().take(rounds).enumerate() {
             if round > 0 {
@@ -158,8 +118,7 @@ impl Choices {
             }
             std::mem::swap(values, other);
             std::mem::swap(certainty, next);
-            done = done
-                + unconfirm(level, given, reach.every, reach.smooths(), other, values, reasons);
+            done = done + unconfirm(level, given, reach, other, values, reasons);
         }
         done
     }
@@ -172,19 +131,14 @@ impl Choices {
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) {
-        let Self { jury, certainty, strip, sparse, lesson: Some(lesson), .. } = self else {
+        let Self { jury, certainty, strip, lesson: Some(lesson), .. } = self else {
             return;
         };
-        let every = jury.reach.every;
         let ViewMap { values: other, reasons, .. } = map;
-        let Map { values, other, reasons } = match every {
-            1 => Map { values, other, reasons },
-            _ => sparse.map(),
-        };
         if !jury.judges.is_empty() {
             smooth(level, jury.reach, values, other);
         }
-        let pixels = lesson.pick(values, every);
+        let pixels = lesson.pick(values, jury.reach.every);
         for rows in Strip::all(values.rows()) {
             strip.look(level, given, jury.reach, values.size(), &rows);
             strip.know(level, given, values, certainty, reasons);
@@ -204,37 +158,35 @@ fn smooth(level: Level, reach: &Reach, values: &mut Plane<f32>, other: &mut Plan
     done
 }
 
-/// Keeps in bytes how sure the paths are of every so many-th pixel of the rows.
-fn keep(every: usize, confidence: View<'_, f32>, certainty: &mut Plane<u8>) -> Work {
-    let columns = confidence.columns().div_ceil(every);
-    certainty.reshape(columns, confidence.rows(), 0);
-    let lines = certainty.samples_mut().par_chunks_mut(columns).enumerate();
-    lines.for_each(|(y, certainty)| {
-        let shares = confidence.row(y).iter().step_by(every);
-        for (byte, &share) in certainty.iter_mut().zip(shares) {
+/// Keeps in bytes how sure the paths are.
+fn keep(confidence: &Plane<f32>, certainty: &mut Plane<u8>) -> Work {
+    let (columns, rows) = confidence.size();
+    certainty.reshape(columns, rows, 0);
+    let lines = certainty.samples_mut().par_chunks_mut(columns);
+    let lines = lines.zip(confidence.samples().par_chunks(columns));
+    lines.for_each(|(certainty, confidence)| {
+        for (byte, &share) in certainty.iter_mut().zip(confidence) {
             *byte = certainty::byte(share);
         }
     });
     Work::bytes((size_of::<f32>() + size_of::<u8>()) * certainty.samples().len())
 }
 
-/// Says what the pixels of a map are, every so many-th one of the image, that had the disparities `before`:
-/// one that took another is not confirmed any more. Where the map was not smoothed either, those that kept
-/// theirs are what they were.
+/// Says what the pixels of a map are that had the disparities `before`: one that took another is not confirmed any
+/// more. Where the map was not smoothed either, those that kept theirs are what they were.
 fn unconfirm(
     level: Level,
     given: &Given<'_>,
-    every: usize,
-    smoothed: bool,
+    reach: &Reach,
     before: &Plane<f32>,
     now: &Plane<f32>,
     reasons: &mut Plane<Reason>,
 ) -> Work {
-    let (columns, width) = (now.columns(), given.grey[0].columns());
+    let image = (given.grey[0].columns(), given.first, reach.every);
+    let columns = now.columns();
     let rows = reasons.samples_mut().par_chunks_mut(columns).enumerate();
     rows.for_each(|(y, reasons)| {
-        let columns = (width, given.first, every);
-        unconfirm_row(level, columns, smoothed, before.row(y), now.row(y), reasons);
+        unconfirm_row(level, image, reach.smooths(), before.row(y), now.row(y), reasons);
     });
     Work::bytes(2 * size_of_val(now.samples()) + 2 * size_of_val(reasons.samples()))
 }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use raster::{Plane, Reason};
+use rayon::prelude::*;
 
 use super::block::Given;
 use super::edges::Edges;
@@ -11,8 +12,8 @@ use super::looks::Looks;
 use super::notes::Notes;
 use super::reach::Reach;
 use super::slopes::Slopes;
-use super::sparse::take_every;
 use super::windows::APART;
+use crate::kernels::every::take_every;
 use crate::kernels::level::Level;
 use crate::profile::Work;
 
@@ -84,8 +85,11 @@ impl Strip {
         let [base, other] = given.grey;
         let top = given.top + self.every * self.top;
         let lines = (self.every * height).min(base.rows() - top);
-        let asked = base.part(0..base.columns(), top..base.rows()).every_row(self.every);
-        take_every(self.every, asked, given.first, (columns, height), &mut self.grey)
+        let asked = base.part(given.first..base.columns(), top..base.rows()).every_row(self.every);
+        self.grey.reshape(columns, height, 0);
+        let rows = self.grey.samples_mut().par_chunks_mut(columns).enumerate();
+        rows.for_each(|(y, to)| take_every(reach.every, asked.row(y), to));
+        Work::bytes(2 * columns * height)
             + self.base.compute(level, base, top, lines)
             + self.other.compute(level, other, top, lines)
             + self.edges.compute(level, &self.grey)

@@ -1,0 +1,212 @@
+//! Columns between those that were matched, every second one: as [rows between](super::rows_between), halfway where
+//! both neighbours are of one surface, else as the neighbour whose grey value is nearer to its own.
+
+use raster::{Plane, Reason, View};
+use rayon::prelude::*;
+
+use crate::kernels::level::{Level, at_every_level};
+use crate::profile::Work;
+
+/// A map without holes, why its disparities are there and how sure they are.
+#[derive(Default)]
+pub(crate) struct Map {
+    /// In pixels.
+    pub values: Plane<f32>,
+    pub reasons: Plane<Reason>,
+    pub confidence: Plane<f32>,
+}
+
+/// The same of some of its columns.
+#[derive(Clone, Copy)]
+pub(crate) struct Matched<'a> {
+    pub values: &'a Plane<f32>,
+    pub reasons: &'a Plane<Reason>,
+    pub confidence: &'a Plane<f32>,
+}
+
+impl Map {
+    /// What it takes for so many pixels.
+    pub fn bytes(pixels: usize) -> usize {
+        (2 * size_of::<f32>() + size_of::<Reason>()) * pixels
+    }
+
+    /// Becomes what was matched of every second column, and the columns between. `grey` has all columns of the rows
+    /// of the map; disparities of one surface differ by at most `same` pixels.
+    pub fn spread(
+        &mut self,
+        level: Level,
+        grey: View<'_, u8>,
+        same: f32,
+        matched: Matched<'_>,
+    ) -> Work {
+        let (columns, rows) = (grey.columns(), grey.rows());
+        self.values.reshape(columns, rows, 0.0);
+        self.reasons.reshape(columns, rows, Reason::Matched);
+        self.confidence.reshape(columns, rows, 0.0);
+        let values = self.values.samples_mut().par_chunks_mut(columns);
+        let reasons = self.reasons.samples_mut().par_chunks_mut(columns);
+        let confidence = self.confidence.samples_mut().par_chunks_mut(columns);
+        let out = values.zip(reasons).zip(confidence).enumerate();
+        out.for_each(|(y, ((values, reasons), confidence))| {
+            let row = Row {
+                grey: grey.row(y),
+                values: matched.values.row(y),
+                reasons: matched.reasons.row(y),
+                confidence: matched.confidence.row(y),
+            };
+            row_spread(level, same, row, values, reasons, confidence);
+        });
+        let of_grey = Work::bytes(columns * rows);
+        of_grey + Work::bytes(Self::bytes(columns * rows) + Self::bytes(columns * rows) / 2)
+    }
+}
+
+/// What a row is made of: all of its grey values, the others in every second column.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    grey: &'a [u8],
+    values: &'a [f32],
+    reasons: &'a [Reason],
+    confidence: &'a [f32],
+}
+
+/// Matched columns that are worked on together, and those with the columns between.
+const GROUP: usize = 32;
+const ALL: usize = 2 * GROUP;
+
+/// Samples from a place on; beyond the end of the row its last one is repeated.
+#[inline(always)]
+fn samples<T: Copy, const N: usize>(row: &[T], from: usize) -> [T; N] {
+    if let Some(&samples) = row[from..].first_chunk() {
+        return samples;
+    }
+    let mut samples = [row[row.len() - 1]; N];
+    samples[..row.len() - from].copy_from_slice(&row[from..]);
+    samples
+}
+
+/// Those of every second column and the next, and the columns between: whether they are nearer to the next.
+#[inline(always)]
+fn is_nearer_to_next(grey: &[u8], from: usize) -> [bool; GROUP] {
+    let grey: [u8; ALL + 1] = samples(grey, from);
+    let mut nearer = [false; GROUP];
+    for i in 0..GROUP {
+        let (one, own, next) = (grey[2 * i], grey[2 * i + 1], grey[2 * i + 2]);
+        nearer[i] = own.abs_diff(next) < own.abs_diff(one);
+    }
+    nearer
+}
+
+/// Puts samples and those between into a row, as far as it goes.
+#[inline(always)]
+fn put<T: Copy>(one: &[T], between: &[T; GROUP], row: &mut [T]) {
+    let mut all = [one[0]; ALL];
+    for i in 0..GROUP {
+        (all[2 * i], all[2 * i + 1]) = (one[i], between[i]);
+    }
+    match row.first_chunk_mut() {
+        Some(row) => *row = all,
+        None => row.copy_from_slice(&all[..row.len()]),
+    }
+}
+
+at_every_level! {
+    fn row_spread(
+        same: f32,
+        row: Row<'_>,
+        values: &mut [f32],
+        reasons: &mut [Reason],
+        confidence: &mut [f32],
+    ) {
+        let out = values.chunks_mut(ALL).zip(reasons.chunks_mut(ALL));
+        for (group, ((values, reasons), confidence)) in out.zip(confidence.chunks_mut(ALL)).enumerate() {
+            let first = group * GROUP;
+            let nearer = is_nearer_to_next(row.grey, 2 * first);
+            let disparities: [f32; GROUP + 1] = samples(row.values, first);
+            let why: [Reason; GROUP + 1] = samples(row.reasons, first);
+            let sure: [f32; GROUP + 1] = samples(row.confidence, first);
+            let (mut between, mut sure_between) = ([0.0; GROUP], [0.0; GROUP]);
+            let mut why_between = [Reason::Matched; GROUP];
+            // One loop per width of number, so that each fills its vectors.
+            for i in 0..GROUP {
+                let (one, next) = (disparities[i], disparities[i + 1]);
+                let taken = if nearer[i] { next } else { one };
+                between[i] = if (one - next).abs() <= same { (one + next) / 2.0 } else { taken };
+            }
+            for i in 0..GROUP {
+                why_between[i] = if nearer[i] { why[i + 1] } else { why[i] };
+            }
+            for i in 0..GROUP {
+                sure_between[i] = if nearer[i] { sure[i + 1] } else { sure[i] };
+            }
+            put(&disparities, &between, values);
+            put(&why, &why_between, reasons);
+            put(&sure, &sure_between, confidence);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+
+    fn spread(
+        level: Level,
+        grey: &Plane<u8>,
+        values: &Plane<f32>,
+        reasons: &Plane<Reason>,
+    ) -> Vec<(f32, Reason, f32)> {
+        let confidence = values.map(|value| value / 100.0);
+        let mut map = Map::default();
+        map.spread(level, grey.view(), 3.0, Matched { values, reasons, confidence: &confidence });
+        assert_eq!(map.values.size(), grey.size());
+        let pixels = map.values.samples().iter().zip(map.reasons.samples());
+        let pixels = pixels.zip(map.confidence.samples());
+        pixels.map(|((&value, &reason), &sure)| (value, reason, sure)).collect()
+    }
+
+    /// Pixel by pixel.
+    fn definition(
+        grey: &Plane<u8>,
+        values: &Plane<f32>,
+        reasons: &Plane<Reason>,
+    ) -> Vec<(f32, Reason, f32)> {
+        let pixel = |x: usize, y: usize| {
+            let last = values.columns() - 1;
+            let (one, next) = (x / 2, x.div_ceil(2).min(last));
+            let [a, b] = [one, next].map(|column| values.row(y)[column]);
+            let unlike = |column: usize| {
+                let column = (2 * column).min(grey.columns() - 1);
+                grey.row(y)[x].abs_diff(grey.row(y)[column])
+            };
+            let taken = if unlike(next) < unlike(one) { next } else { one };
+            let value = if (a - b).abs() <= 3.0 { (a + b) / 2.0 } else { values.row(y)[taken] };
+            (value, reasons.row(y)[taken], values.row(y)[taken] / 100.0)
+        };
+        let (columns, rows) = grey.size();
+        (0..rows)
+            .flat_map(|y| (0..columns).map(move |x| (x, y)))
+            .map(|(x, y)| pixel(x, y))
+            .collect()
+    }
+
+    #[test]
+    fn columns_between_are_their_definition_at_every_level() {
+        for (columns, rows) in [(1, 1), (2, 2), (5, 3), (64, 2), (65, 2), (131, 3), (200usize, 2)] {
+            let mut chance = Chance(columns as u32);
+            let grey = Plane::from_fn(columns, rows, |_, _| chance.bits(4) as u8);
+            let values = Plane::from_fn(columns.div_ceil(2), rows, |_, _| 9.0 * chance.share());
+            let reasons = values.map(|&value| match value {
+                ..5.0 => Reason::Matched,
+                _ => Reason::OccludedFilled,
+            });
+            let expected = definition(&grey, &values, &reasons);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                let found = spread(level, &grey, &values, &reasons);
+                assert_eq!(found, expected, "{columns} x {rows}");
+            }
+        }
+    }
+}
