@@ -410,14 +410,15 @@ impl Pipeline for SemiGlobalMatching {
         }
         let View { map: left, filled, steps, .. } = &mut self.left;
         let filled = if chooses { filled } else { &mut self.right.map.values };
-        let mut done = Work::default();
         let (values, reasons, confidence) = if space.apart > 1 {
             let matched = columns_between::Matched {
                 values: filled,
                 reasons: &left.reasons,
                 confidence: &sure,
             };
-            done = self.between.spread(level, search.matched_rows(), ONE_SURFACE, matched);
+            let grey = search.matched_rows();
+            let spread = self.between.spread(level, grey, ONE_SURFACE, matched);
+            profile.end("columns between", spread);
             let columns_between::Map { values, reasons, confidence } = &mut self.between;
             (values, &*reasons, confidence)
         } else {
@@ -428,15 +429,15 @@ impl Pipeline for SemiGlobalMatching {
             let shifted = least_squares::Map { values, reasons, first, rows, range };
             profile.end("least squares", self.least_squares.refine(level, grey, shifted));
         }
-        done = done + in_steps(level, search.numbers, values, steps);
+        let stepped = in_steps(level, search.numbers, values, steps);
         // Without a search there is one value everywhere.
         let nowhere = values.row(0)[0];
         map.values = std::mem::take(&mut self.right.map.values);
         map.values.reshape(width, height, nowhere);
         let judged = chooses && ingredients.has(Ingredient::PathMargin);
-        done = done + self.answer.spread(search, judged, (steps, reasons), confidence, map);
+        let answered = self.answer.spread(search, judged, (steps, reasons), confidence, map);
         self.confidence = sure;
-        profile.end("answer", done);
+        profile.end("answer", stepped + answered);
         let medians = match space.count {
             0 => {
                 map.values.samples_mut().fill(nowhere);
