@@ -48,7 +48,7 @@ do
     : > $file
 done
 choices balanced $lessons/all "$@"
-learn balanced $lessons/balanced.bin --seed 11 $lessons/all &
+learn balanced $lessons/balanced.bin --seed 23 $lessons/all &
 balanced=$!
 for half in 1 2; do
     choices best $lessons/$half --half $half "$@"
@@ -62,14 +62,14 @@ later() {
     : > $lessons/later$1.bin
     learn balanced $lessons/later$1.bin --seed "$1" $lessons/left
 }
-for seed in 11 13
+for seed in 1 3
 do
     later $seed &
     one=$!
     later $((seed + 1))
     wait $one
 done
-cat $lessons/later??.bin >> $lessons/balanced.bin
+cat $lessons/later?.bin >> $lessons/balanced.bin
 rm $lessons/left
 
 learn best $lessons/1.bin $lessons/1 &
