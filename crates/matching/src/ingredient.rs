@@ -194,7 +194,7 @@ impl Ingredient {
             ),
             FurtherChoices => (
                 "further-choices",
-                "more rounds of choices, by judges taught after the first: two, in best five",
+                "more rounds of choices, by judges taught after the first: four, in best five",
                 "one round",
             ),
             LeastSquares => (
