@@ -36,7 +36,7 @@ impl Answer {
         confidence: &mut Plane<f32>,
         map: &mut DisparityMap,
     ) -> Work {
-        let Search { level, grey, work, rows, numbers, .. } = search;
+        let Search { level, work, rows, numbers, .. } = search;
         let of_rows = confidence.samples_mut().par_chunks_exact_mut(work.columns()).enumerate();
         of_rows.for_each(|(y, confidence)| trust(level, judged, reasons.row(y), confidence));
         let matched = Matched { steps, reasons, confidence: &*confidence };
@@ -47,11 +47,10 @@ impl Answer {
             first: work.x0,
             top: work.y0,
         };
-        let grey = grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1);
         let same = numbers.steps(ONE_SURFACE);
         // Confidence is read and written for what becomes of it by the reasons.
         let trusted = Work::bytes((2 * 4 + 1) * work.columns() * rows.count);
-        trusted + rows_between::spread(level, rows.apart, same, grey, matched, all)
+        trusted + rows_between::spread(level, rows.apart, same, search.left_part(), matched, all)
     }
 
     /// The median of 5 x 5 pixels of the left view, of which all rows are there in fixed point, for a box of the

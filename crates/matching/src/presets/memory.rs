@@ -69,7 +69,7 @@ impl Needs {
         jury: &Jury,
     ) -> Self {
         let (width, height) = frame.size();
-        let (columns, lines) = (space.columns(), MatchedRows::of(work, jury.reach.every).count);
+        let (columns, lines) = (space.columns(), MatchedRows::of(work, space.apart).count);
         // Pixels of the images, of their rows that are matched, those that are of the left one's part, and all
         // columns of it.
         let (all, wide, part) = (width * height, width * lines, columns * lines);

@@ -149,6 +149,16 @@ fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> Boundin
 }
 
 impl SemiGlobalMatching {
+    /// Takes the grey of what is matched, so many columns apart.
+    fn look_at_guide(&mut self, search: Search<'_>, apart: usize) -> Work {
+        let grey = search.matched_rows();
+        let columns = grey.columns().div_ceil(apart);
+        self.guide.reshape(columns, grey.rows(), 0);
+        let rows = self.guide.samples_mut().chunks_exact_mut(columns).enumerate();
+        rows.for_each(|(y, row)| take_every(apart, grey.row(y), row));
+        Work::bytes(2 * size_of_val(self.guide.samples()))
+    }
+
     /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
     /// the image. `confidence` takes how sure those of the left view are.
     fn optimize(
@@ -164,10 +174,6 @@ impl SemiGlobalMatching {
         // A range of three disparities can leave none to compare a winner with.
         let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
         let least_margin = if compared { UNIQUE } else { 0 };
-        let grey = search.matched_rows();
-        self.guide.reshape(space.columns(), rows.count, 0);
-        let guide = self.guide.samples_mut().chunks_exact_mut(space.columns()).enumerate();
-        guide.for_each(|(y, row)| take_every(space.apart, grey.row(y), row));
         let middle = SemiGlobal::middle(rows.count);
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
@@ -200,8 +206,7 @@ impl SemiGlobalMatching {
             bands,
             finish,
         );
-        let guided = Work::bytes(2 * size_of_val(self.guide.samples()));
-        guided + paths + Selection::work(space) * rows.count
+        paths + Selection::work(space) * rows.count
     }
 
     /// Runs the paths again along the surfaces of the map as it is.
@@ -302,6 +307,12 @@ impl SemiGlobalMatching {
         }
     }
 
+    /// What is searched in a part of a frame: what no judge asks need not be matched.
+    fn space(&self, frame: &Frame<'_>, work: BoundingBox) -> SearchSpace {
+        let every = self.choices.jury().reach.every;
+        SearchSpace::of_every(every, frame.size().0, work, frame.range)
+    }
+
     fn needs(&self, frame: &Frame<'_>, work: BoundingBox, space: &SearchSpace) -> Needs {
         Needs::new(frame, work, space, self.ingredients, self.choices.jury())
     }
@@ -314,8 +325,7 @@ impl Pipeline for SemiGlobalMatching {
 
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
         let work = surroundings(frame.bounds, frame.size());
-        let every = self.choices.jury().reach.every;
-        let space = SearchSpace::of_every(every, frame.size().0, work, frame.range);
+        let space = self.space(frame, work);
         self.needs(frame, work, &space).least()
     }
 
@@ -328,10 +338,8 @@ impl Pipeline for SemiGlobalMatching {
         let bounds = frame.bounds;
         let (width, height) = frame.size();
         let work = surroundings(bounds, (width, height));
-        // What no judge asks need not be matched.
-        let every = self.choices.jury().reach.every;
-        let rows = MatchedRows::of(work, every);
-        let space = SearchSpace::of_every(every, width, work, frame.range);
+        let space = self.space(frame, work);
+        let rows = MatchedRows::of(work, space.apart);
         let columns = space.columns();
         let bands = self.needs(frame, work, &space).bands(self.memory);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
@@ -359,7 +367,7 @@ impl Pipeline for SemiGlobalMatching {
         };
         // The answer's disparities come last: until then the right view has their memory.
         self.right.map.values = std::mem::take(&mut map.values);
-        self.left.begin((work.x0, every), columns, rows.count);
+        self.left.begin((work.x0, space.apart), columns, rows.count);
         self.right.begin((0, 1), width, rows.count);
         let mut sure = std::mem::take(&mut self.confidence);
         sure.reshape(columns, rows.count, 0.0);
@@ -373,7 +381,7 @@ impl Pipeline for SemiGlobalMatching {
             };
             let seen = [0, 1].map(|i| (views[i], flat.as_ref().map_or(grey[i], Plane::view)));
             let features = self.features.compute(level, seen, &space, rows);
-            profile.end("census and gradient", features);
+            profile.end("census and gradient", features + self.look_at_guide(search, space.apart));
             if ingredients.has(Ingredient::Descriptors) {
                 self.doubtful.reset(columns, rows.count, false);
                 let described = self.features.describe(level, views, &space, work.y0);

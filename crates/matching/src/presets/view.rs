@@ -40,10 +40,15 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// The grey values of the rows that are matched, of all columns of their part.
+    /// The grey values of the part of the left image that is matched, all of them.
+    pub fn left_part(&self) -> raster::View<'a, u8> {
+        let Self { grey, work, .. } = self;
+        grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1)
+    }
+
+    /// Those of the rows that are.
     pub fn matched_rows(&self) -> raster::View<'a, u8> {
-        let Self { grey, work, rows, .. } = self;
-        grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1).every_row(rows.apart)
+        self.left_part().every_row(self.rows.apart)
     }
 }
 

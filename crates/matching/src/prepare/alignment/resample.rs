@@ -1,6 +1,7 @@
 //! An image whose rows are taken from between its rows.
 //!
-//! `out(x, y) = I(x, y + dy(x, y))`, by a [cubic] through four samples of the column, rounded to nearest. Beyond the ends of a column its samples are repeated.
+//! `out(x, y) = I(x, y + dy(x, y))`, by a [cubic] through four samples of the column, rounded to nearest.
+//! Beyond the ends of a column its samples are repeated.
 
 use raster::View;
 
