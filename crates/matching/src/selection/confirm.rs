@@ -39,13 +39,22 @@ at_every_level! {
             let block = x..x + disparities.len();
             let index = &winners.index[block.clone()];
             let mut opposite = [0; BLOCK];
-            for ((x, &k), opposite) in block.clone().zip(index).zip(&mut opposite) {
-                *opposite = winners.right_index[x + layout.shift(k.into())];
-            }
+            let farthest = layout.shift(0);
+            let reach = &winners.right_index[x..][..disparities.len() + farthest];
+            look_up(index, reach, farthest, &mut opposite);
             let [least, before, after] =
                 [&winners.least, &winners.before, &winners.after].map(|row| &row[block.clone()]);
             evaluate(index, &opposite, least, before, after, last, numbers, disparities, confidence);
         }
+    }
+}
+
+/// Of columns next to each other the index that wins at the right pixel that their winner points at; `farthest` is
+/// how far on from the column that of the first index is.
+#[inline(always)]
+fn look_up(index: &[u16], reach: &[u16], farthest: usize, opposite: &mut [u16; BLOCK]) {
+    for (i, (&k, opposite)) in index.iter().zip(opposite).enumerate() {
+        *opposite = reach[i + farthest - usize::from(k)];
     }
 }
 
