@@ -14,6 +14,9 @@
 //! sweep is done twice more: instead of two sweeps over every row there are three, or four. A whole
 //! volume is one stretch with one band. (Griewank 1992 trades time for memory in this way where
 //! programs are differentiated in reverse.)
+//!
+//! Rows of the band that the first sweep ends with are not done again, so of all plans that there is memory
+//! for the one with the fewest rows to sweep is taken, most often that with the longest bands.
 
 use crate::kernels::path::RowStates;
 
@@ -46,23 +49,21 @@ impl Bands {
         Self { spacings: [stretch, height] }
     }
 
-    /// The plan with the fewest sweeps that fits; the one with the least memory if none does.
+    /// The plan that sweeps the fewest rows of those that fit; the one with the least memory if none does.
     pub fn within(volume: &Volume, fits: impl Fn(Self) -> bool) -> Self {
         let half = volume.half();
-        let least = |plans: &mut dyn Iterator<Item = Self>| {
-            plans.min_by_key(|plan| plan.bytes(volume)).expect("there are several")
-        };
-        let plans = [
-            Self::new(half, half),
-            least(&mut (1..=half).map(|height| Self::new(half, height))),
-            // At this stretch 3 n / s + 3 s / b is least.
-            least(
-                &mut (1..=half)
-                    .map(|height| Self::new((half * height).isqrt().max(height), height)),
-            ),
-        ];
-        let first = plans.into_iter().find(|&plan| fits(plan));
-        first.unwrap_or_else(|| least(&mut plans.into_iter()))
+        let whole = Self::new(half, half);
+        if fits(whole) {
+            return whole;
+        }
+        // At this stretch 3 n / s + 3 s / b is least.
+        let stretch = |height: usize| (half * height).isqrt().max(height);
+        let plans = (1..=half)
+            .flat_map(|height| [half, stretch(height)].map(|stretch| Self::new(stretch, height)));
+        let fitting = plans.clone().filter(|&plan| fits(plan));
+        let fastest = fitting.min_by_key(|plan| (plan.swept(half), plan.bytes(volume)));
+        let least = || plans.min_by_key(|plan| plan.bytes(volume)).expect("there are several");
+        fastest.unwrap_or_else(least)
     }
 
     /// The plan with the least memory.
@@ -76,9 +77,11 @@ impl Bands {
     }
 
     /// How far to go to the next checkpoint with `left` rows ahead; none when their detours are
-    /// to be kept.
+    /// to be kept. The first step is the one that may be short: the last rows, which are not done again, are a
+    /// whole band.
     pub fn next(&self, left: usize) -> Option<usize> {
-        self.spacings.into_iter().find(|&spacing| left > spacing)
+        let spacing = self.spacings.into_iter().find(|&spacing| left > spacing)?;
+        Some((left - 1) % spacing + 1)
     }
 
     /// How many rows are done by the first sweep over a half of `rows` rows, those that are done again
@@ -155,10 +158,13 @@ mod tests {
         let whole = of(usize::MAX, 2000);
         assert_eq!((whole, megabytes(whole, 2000)), (Bands::new(1000, 1000), 1536));
         let one_level = of(200_000_000, 2000);
-        assert_eq!((one_level.spacings[0], megabytes(one_level, 2000)), (1000, 164));
+        assert_eq!((one_level, megabytes(one_level, 2000)), (Bands::new(1000, 103), 199));
         let two_levels = of(150_000_000, 2000);
-        assert_eq!((two_levels, megabytes(two_levels, 2000)), (Bands::new(144, 21), 87));
-        assert_eq!(Bands::least(&volume(2000)), two_levels);
+        assert_eq!((two_levels, megabytes(two_levels, 2000)), (Bands::new(281, 79), 149));
+        let least = Bands::least(&volume(2000));
+        assert_eq!((least, megabytes(least, 2000)), (Bands::new(144, 21), 87));
+        let swept = [whole, one_level, two_levels, least].map(|bands| bands.swept(1000));
+        assert_eq!(swept, [1000, 1897, 2403, 2709]);
         // Eight times the rows, twice the memory.
         assert_eq!(megabytes(Bands::least(&volume(16_000)), 16_000), 183);
     }

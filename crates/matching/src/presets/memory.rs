@@ -24,7 +24,7 @@ use crate::refinement::least_squares::LeastSquares;
 /// 160 disparities: 75 MB of sums); several megapixels, which would take gigabytes, are matched with
 /// bands.
 const UNASKED: usize = 200_000_000;
-const SUMS: usize = 50_000_000;
+const SUMS: usize = 100_000_000;
 
 /// Room for what is done row by row: bytes per column and thread, and in all.
 const ROW: usize = 64;
