@@ -20,7 +20,7 @@ use raster::{Plane, View};
 use rayon::prelude::*;
 
 use super::{MatchedRows, SearchSpace};
-use crate::kernels::bits::Bits;
+use crate::kernels::bits::{Bits, Weight};
 use crate::kernels::every::take_every;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::path::{LANES, LARGEST_COST};
@@ -34,23 +34,24 @@ use crate::profile::Work;
 /// A difference of grey steps counts at most this.
 const LARGEST_STEP: u8 = 20;
 
-/// What a bit counts, in 1/64.
-#[derive(Debug, Clone, Copy)]
+/// What a bit counts.
+#[derive(Debug)]
 struct Weights {
     /// Of census words.
-    census: u16,
-    /// Of descriptors.
+    census: Weight,
+    /// Of descriptors, in 64ths.
     descriptor: u16,
 }
 
 /// Without descriptors, with them, and with them where a pixel is in doubt.
-const CENSUS: Weights = Weights::new(75, 0);
-const CERTAIN: Weights = Weights::new(45, 35);
-const DOUBTFUL: Weights = Weights::new(20, 45);
+static CENSUS: Weights = Weights::new(75, 0);
+static CERTAIN: Weights = Weights::new(45, 35);
+static DOUBTFUL: Weights = Weights::new(20, 45);
 
 impl Weights {
     const fn new(census: u16, descriptor: u16) -> Self {
-        let largest = (BITS as u16 * census + 64 * descriptor) / 64 + LARGEST_STEP as u16;
+        let census = Weight::new(census);
+        let largest = census.of(BITS as usize) as u16 + descriptor + LARGEST_STEP as u16;
         assert!(largest <= LARGEST_COST as u16, "paths and their sums have no room for more");
         Self { census, descriptor }
     }
@@ -249,14 +250,14 @@ at_every_level! {
             let steps = &steps[place..place + space.lanes];
             let (word, step) = (left_words[x], left_steps[x]);
             let weights = match doubtful {
-                None => CENSUS,
-                Some(doubtful) if doubtful[x] => DOUBTFUL,
-                Some(_) => CERTAIN,
+                None => &CENSUS,
+                Some(doubtful) if doubtful[x] => &DOUBTFUL,
+                Some(_) => &CERTAIN,
             };
-            add_up(instructions, weights.census, (word, words), (step, steps), costs);
+            add_up(instructions, &weights.census, (word, words), (step, steps), costs);
             if weights.descriptor > 0 {
                 let descriptors = &right.descriptors.row(y)[place..place + space.lanes];
-                add_descriptors(weights, left.descriptors.row(y)[x], descriptors, costs);
+                add_descriptors(weights.descriptor, left.descriptors.row(y)[x], descriptors, costs);
             }
             if space.count < space.lanes {
                 costs[space.count..].fill(255);
@@ -269,28 +270,40 @@ at_every_level! {
 #[inline(always)]
 fn add_up(
     instructions: impl Bits,
-    weight: u16,
+    weight: &Weight,
     (word, words): (u32, &[u32]),
     (step, steps): (u8, &[u8]),
     costs: &mut [u8],
 ) {
-    let (words, steps) = (words.as_chunks::<LANES>().0, steps.as_chunks::<LANES>().0);
-    let groups = costs.as_chunks_mut::<LANES>().0.iter_mut().zip(words).zip(steps);
-    for ((costs, words), steps) in groups {
-        // Given back rather than written, so that the compiler need not ask whether what it reads changes meanwhile.
-        let mut sums = instructions.weighed(word, words, weight);
-        for i in 0..LANES {
-            // `abs_diff` would go through 32 bits.
-            let difference = step.max(steps[i]) - step.min(steps[i]);
-            sums[i] += difference.min(LARGEST_STEP);
-        }
-        *costs = sums;
+    let (words, _) = words.as_chunks::<LANES>();
+    let (words, rest) = words.as_chunks::<2>();
+    let (costs, costs_rest) = costs.as_chunks_mut::<{ 2 * LANES }>();
+    let (steps, steps_rest) = steps.as_chunks::<{ 2 * LANES }>();
+    for ((costs, words), steps) in costs.iter_mut().zip(words).zip(steps) {
+        *costs = with_steps(instructions.weighed_in_two(word, words, weight), step, steps);
     }
+    if let ([words], Some(costs), Some(steps)) =
+        (rest, costs_rest.as_mut_array(), steps_rest.as_array())
+    {
+        *costs = with_steps(instructions.weighed(word, words, weight), step, steps);
+    }
+}
+
+/// Adds what grey steps differ by. Costs are given back rather than written, so that the compiler need not ask whether
+/// what it reads changes meanwhile.
+#[inline(always)]
+fn with_steps<const N: usize>(mut costs: [u8; N], step: u8, steps: &[u8; N]) -> [u8; N] {
+    for i in 0..N {
+        // `abs_diff` would go through 32 bits.
+        let difference = step.max(steps[i]) - step.min(steps[i]);
+        costs[i] += difference.min(LARGEST_STEP);
+    }
+    costs
 }
 
 /// What descriptors add to the costs of a pixel.
 #[inline(always)]
-fn add_descriptors(weights: Weights, descriptor: u64, descriptors: &[u64], costs: &mut [u8]) {
+fn add_descriptors(weight: u16, descriptor: u64, descriptors: &[u64], costs: &mut [u8]) {
     let descriptors = descriptors.as_chunks::<LANES>().0;
     for (costs, descriptors) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(descriptors) {
         let mut bits = [0u8; LANES];
@@ -298,7 +311,7 @@ fn add_descriptors(weights: Weights, descriptor: u64, descriptors: &[u64], costs
             bits[i] = (descriptor ^ descriptors[i]).count_ones() as u8;
         }
         for i in 0..LANES {
-            costs[i] += (u16::from(bits[i]) * weights.descriptor / 64) as u8;
+            costs[i] += (u16::from(bits[i]) * weight / 64) as u8;
         }
     }
 }
@@ -362,7 +375,7 @@ mod tests {
             words
         });
         // The second range begins where no match lies inside.
-        for (range, columns) in [((-4, 37), (5, 38)), ((10, 30), (0, 39)), ((-60, -31), (3, 12))] {
+        for (range, columns) in [((-4, 67), (5, 38)), ((10, 30), (0, 39)), ((-60, -31), (3, 12))] {
             let range = DisparityRange::new(range.0, range.1).unwrap();
             let bounds = BoundingBox::new(columns.0, 1, columns.1, 5).unwrap();
             let doubtful = Plane::from_fn(bounds.columns(), 5, |x, y| (x + y) % 3 == 0);
@@ -386,9 +399,9 @@ mod tests {
                     costs_of_rows.fill_row(y, &mut costs);
                     for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
                         let weights = match doubtful.map(|doubtful| doubtful.row(y)[x]) {
-                            None => CENSUS,
-                            Some(false) => CERTAIN,
-                            Some(true) => DOUBTFUL,
+                            None => &CENSUS,
+                            Some(false) => &CERTAIN,
+                            Some(true) => &DOUBTFUL,
                         };
                         let x = space.in_image(x);
                         for (k, &cost) in costs[..space.count].iter().enumerate() {
@@ -401,7 +414,7 @@ mod tests {
                                 .map(|(view, x)| step(view, x, image_row, pairs));
                             let unlike = descriptors[0].row(image_row)[x]
                                 ^ descriptors[1].row(image_row)[at];
-                            let expected = bits * u32::from(weights.census) / 64
+                            let expected = u32::from(weights.census.of(bits as usize))
                                 + u32::from(a.abs_diff(b).min(20))
                                 + unlike.count_ones() * u32::from(weights.descriptor) / 64;
                             assert_eq!(u32::from(cost), expected, "({x}, {y}), {k}");

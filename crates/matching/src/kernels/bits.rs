@@ -7,26 +7,69 @@
 //! with the Hamming distance `H` of 32 bits. From AVX-512 on there is an instruction that counts bits, and a plain
 //! loop becomes it. With AVX2 the compiler counts those of half bytes by a table, as everyone does, but then adds
 //! the four bytes of a word up in a way that takes nearly as long as counting; here it is sums of products by ones.
+//! What the plain loop makes of 32 words with AVX-512 takes longer to narrow numbers than to count bits: twice as many
+//! are packed, and what so many bits cost is looked up.
 //!
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
 /// Words that are compared together.
 pub(crate) const LANES: usize = 32;
 
+/// What a bit counts.
+#[derive(Debug)]
+pub(crate) struct Weight {
+    /// In 64ths.
+    each: u16,
+    /// What so many bits count.
+    of_bits: [u8; 2 * LANES],
+}
+
+impl Weight {
+    /// In 64ths, at most 510: what all bits count fits a byte.
+    pub const fn new(each: u16) -> Self {
+        let (mut of_bits, mut bits) = ([0; 2 * LANES], 0);
+        while bits <= u32::BITS as usize {
+            assert!(bits as u16 * each / 64 <= u8::MAX as u16, "too large a weight");
+            of_bits[bits] = (bits as u16 * each / 64) as u8;
+            bits += 1;
+        }
+        Self { each, of_bits }
+    }
+
+    /// What so many bits count.
+    pub const fn of(&self, bits: usize) -> u8 {
+        self.of_bits[bits]
+    }
+}
+
 /// What compares words at one level.
 pub(crate) trait Bits: Copy {
-    /// How many bits of `word` differ from those of each of `words`, times `weight`, in 64ths. No weight is larger
-    /// than 510: what comes of it fits a byte.
+    /// What the bits count by which `word` differs from each of `words`.
     #[inline(always)]
-    fn weighed(self, word: u32, words: &[u32; LANES], weight: u16) -> [u8; LANES] {
+    fn weighed(self, word: u32, words: &[u32; LANES], weight: &Weight) -> [u8; LANES] {
         // One loop per width of number, so that each fills its vectors.
         let (mut bits, mut weighed) = ([0u8; LANES], [0u8; LANES]);
         for i in 0..LANES {
             bits[i] = (word ^ words[i]).count_ones() as u8;
         }
         for i in 0..LANES {
-            weighed[i] = (u16::from(bits[i]) * weight / 64) as u8;
+            weighed[i] = (u16::from(bits[i]) * weight.each / 64) as u8;
         }
+        weighed
+    }
+
+    /// The same of twice as many words.
+    #[inline(always)]
+    fn weighed_in_two(
+        self,
+        word: u32,
+        words: &[[u32; LANES]; 2],
+        weight: &Weight,
+    ) -> [u8; 2 * LANES] {
+        let [first, second] = words;
+        let both = [self.weighed(word, first, weight), self.weighed(word, second, weight)];
+        let mut weighed = [0; 2 * LANES];
+        weighed.copy_from_slice(both.as_flattened());
         weighed
     }
 }
@@ -37,15 +80,48 @@ mod x86 {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{Bits, LANES};
+    use super::{Bits, LANES, Weight};
     use crate::kernels::products::{Avx2, Avx512, Baseline};
 
     impl Bits for Baseline {}
-    impl Bits for Avx512 {}
+
+    impl Bits for Avx512 {
+        #[inline(always)]
+        fn weighed_in_two(
+            self,
+            word: u32,
+            words: &[[u32; LANES]; 2],
+            weight: &Weight,
+        ) -> [u8; 2 * LANES] {
+            // SAFETY: whoever made `self` vouched for the instructions, and both sides of a transmutation are
+            // plain numbers of the same size.
+            unsafe {
+                let [a, b, c, d] = transmute::<[[u32; LANES]; 2], [__m512i; 4]>(*words);
+                let word = _mm512_set1_epi32(word as i32);
+                let ab = _mm512_packus_epi32(self.differing(word, a), self.differing(word, b));
+                let cd = _mm512_packus_epi32(self.differing(word, c), self.differing(word, d));
+                // Fours of a, b, c and d stand in each part of a lane.
+                let bits = _mm512_packus_epi16(ab, cd);
+                let order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
+                let bits = _mm512_permutexvar_epi32(order, bits);
+                let of_bits = transmute::<[u8; 2 * LANES], __m512i>(weight.of_bits);
+                transmute::<__m512i, [u8; 2 * LANES]>(_mm512_permutexvar_epi8(bits, of_bits))
+            }
+        }
+    }
+
+    impl Avx512 {
+        /// How many bits differ in each of 16 words.
+        #[inline(always)]
+        fn differing(self, word: __m512i, words: __m512i) -> __m512i {
+            // SAFETY: as above.
+            unsafe { _mm512_popcnt_epi32(_mm512_xor_si512(word, words)) }
+        }
+    }
 
     impl Bits for Avx2 {
         #[inline(always)]
-        fn weighed(self, word: u32, words: &[u32; LANES], weight: u16) -> [u8; LANES] {
+        fn weighed(self, word: u32, words: &[u32; LANES], weight: &Weight) -> [u8; LANES] {
             // SAFETY: whoever made `self` vouched for the instructions, and both sides of a transmutation are
             // plain numbers of the same size.
             unsafe {
@@ -54,7 +130,7 @@ mod x86 {
                 // Of each part of a lane: a and b, then c and d.
                 let ab = _mm256_packus_epi16(self.of_halves(word, a), self.of_halves(word, b));
                 let cd = _mm256_packus_epi16(self.of_halves(word, c), self.of_halves(word, d));
-                let weight = _mm256_set1_epi16(weight as i16);
+                let weight = _mm256_set1_epi16(weight.each as i16);
                 let all = _mm256_packus_epi16(self.of_words(ab, weight), self.of_words(cd, weight));
                 let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
                 transmute::<__m256i, [u8; LANES]>(_mm256_permutevar8x32_epi32(all, order))
@@ -103,8 +179,12 @@ mod tests {
     use crate::kernels::level::{Level, at_every_level};
 
     at_every_level! {
-        fn weigh[bits](word: u32, words: &[u32; LANES], weight: u16) -> [u8; LANES] {
+        fn weigh[bits](word: u32, words: &[u32; LANES], weight: &Weight) -> [u8; LANES] {
             bits.weighed(word, words, weight)
+        }
+
+        fn weigh_in_two[bits](word: u32, words: &[[u32; LANES]; 2], weight: &Weight) -> [u8; 2 * LANES] {
+            bits.weighed_in_two(word, words, weight)
         }
     }
 
@@ -112,16 +192,22 @@ mod tests {
     fn weighed_bits_are_their_definition_at_every_level() {
         let mut chance = Chance(7);
         let mut word = || chance.below(1 << 16) << 16 | chance.below(1 << 16);
-        for weight in [0, 1, 75, 200, 510] {
+        for each in [0, 1, 75, 200, 510] {
+            let weight = Weight::new(each);
             for extreme in [[0; 2], [0, u32::MAX], [word(), word()]] {
-                let mut words = [(); LANES].map(|()| word());
-                words[3] = extreme[0];
+                let mut words = [[(); LANES]; 2].map(|half| half.map(|()| word()));
+                words[0][3] = extreme[0];
                 let differing =
                     |other: u32| (0..32).filter(move |b| (extreme[1] ^ other) >> b & 1 == 1);
-                let expected = words.map(|w| (differing(w).count() * weight / 64) as u8);
+                let expected = words.map(|half| {
+                    half.map(|w| (differing(w).count() * usize::from(each) / 64) as u8)
+                });
                 for level in Level::available() {
                     eprintln!("level {}", level.name());
-                    assert_eq!(weigh(level, extreme[1], &words, weight as u16), expected);
+                    let found = words.map(|half| weigh(level, extreme[1], &half, &weight));
+                    assert_eq!(found, expected);
+                    let found = weigh_in_two(level, extreme[1], &words, &weight);
+                    assert_eq!(found, expected.as_flattened());
                 }
             }
         }
