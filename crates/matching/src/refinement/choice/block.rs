@@ -93,7 +93,7 @@ impl<'a> Compared<'a> {
     ) -> Self {
         let strip = scene.strip;
         for place in (0..rows).filter(|&row| wanted(row)) {
-            let row = strip.row_of_looks(first + place);
+            let row = strip.row(first + place);
             base.compute(level, &strip.base, row, place);
             other.compute(level, &strip.other, row, place);
         }

@@ -1,56 +1,67 @@
 //! What a pixel looks like: a 3 x 3 census, and the grey step along the row.
 //!
-//! In: an image. Out: two bytes per pixel; those of one kind lie side by side in a row.
+//! In: an image. Out: two bytes per pixel of every so many-th row; those of one kind lie side by side in a row.
+
+use std::ops::Range;
 
 use raster::{Plane, View};
 use rayon::prelude::*;
 
+use super::windows::APART;
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
 use crate::profile::Work;
 
 /// What the pixels of one image are compared by: a row holds census words, then grey steps.
 #[derive(Debug, Default)]
-pub(crate) struct Looks(Plane<u8>);
+pub(crate) struct Looks {
+    looks: Plane<u8>,
+    /// Of every so many-th row of the image.
+    every: usize,
+}
 
 impl Looks {
-    /// Looks at rows `first..first + rows` of an image.
+    /// Looks at every so many-th of these rows of an image, and at the last one again for as far as windows see
+    /// beyond it.
     pub fn compute(
         &mut self,
         level: Level,
         image: View<'_, u8>,
-        first: usize,
-        rows: usize,
+        rows: Range<usize>,
+        every: usize,
     ) -> Work {
         let (columns, height) = (image.columns(), image.rows());
-        self.0.reshape(2 * columns, rows, 0);
-        let looks = self.0.samples_mut().par_chunks_mut(2 * columns).enumerate();
+        self.every = every;
+        let count = rows.len().div_ceil(every) + self.apart();
+        self.looks.reshape(2 * columns, count, 0);
+        let looks = self.looks.samples_mut().par_chunks_mut(2 * columns).enumerate();
         looks.for_each(|(y, looks)| {
-            let y = first + y;
+            let y = (rows.start + every * y).min(rows.end - 1);
             let near = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| image.row(y));
             let (census, steps) = looks.split_at_mut(columns);
             census_of_row(level, near, census);
             steps_along_row(image.row(y), steps);
         });
-        Work::bytes(columns * rows + self.bytes())
+        Work::bytes(columns * count + size_of_val(self.looks.samples()))
     }
 
-    /// Bytes of all parts.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.0.samples())
+    /// Bytes of the looks of so many rows.
+    pub fn bytes(columns: usize, rows: usize, every: usize) -> usize {
+        2 * columns * (rows + APART / every)
     }
 
     pub fn columns(&self) -> usize {
-        self.0.columns() / 2
+        self.looks.columns() / 2
     }
 
-    pub fn rows(&self) -> usize {
-        self.0.rows()
+    /// How many of these rows the pixels of a window stand apart.
+    pub fn apart(&self) -> usize {
+        APART / self.every
     }
 
     /// The parts of row `y`.
     pub fn row(&self, y: usize) -> [&[u8]; 2] {
-        let (census, steps) = self.0.row(y).split_at(self.columns());
+        let (census, steps) = self.looks.row(y).split_at(self.columns());
         [census, steps]
     }
 }
@@ -98,7 +109,7 @@ mod tests {
         let image = Plane::new(3, 3, vec![1, 9, 2, 3, 4, 5, 8, 7, 6]).unwrap();
         let mut looks = Looks::default();
         for level in Level::available() {
-            looks.compute(level, image.view(), 1, 1);
+            looks.compute(level, image.view(), 1..2, 1);
             // Below 3: 1 and its repetition. Below 4: 1, 2 and 3. Below 5: 4 and 2 twice.
             assert_eq!(looks.row(0), [&[0b1100_0000, 0b1011_0000, 0b0111_0000], &[129, 130, 129]]);
         }

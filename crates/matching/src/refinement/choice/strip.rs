@@ -41,7 +41,7 @@ impl Strip {
     /// What one takes of a map of so many columns and rows, in images of a width.
     pub fn bytes(columns: usize, rows: usize, width: usize, reach: &Reach) -> usize {
         let rows = Self::height(rows, reach);
-        let looks = 2 * 2 * width * reach.every * rows;
+        let looks = 2 * Looks::bytes(width, rows, reach.every);
         let pixels = columns * rows;
         let notes = Notes::bytes(pixels);
         looks + Slopes::bytes(columns, rows) + pixels + Edges::bytes(pixels) + notes
@@ -84,14 +84,14 @@ impl Strip {
         self.every = reach.every;
         let [base, other] = given.grey;
         let top = given.top + self.every * self.top;
-        let lines = (self.every * height).min(base.rows() - top);
+        let lines = top..base.rows().min(top + self.every * height);
         let asked = base.part(given.first..base.columns(), top..base.rows()).every_row(self.every);
         self.grey.reshape(columns, height, 0);
         let rows = self.grey.samples_mut().par_chunks_mut(columns).enumerate();
         rows.for_each(|(y, to)| take_every(reach.every, asked.row(y), to));
         Work::bytes(2 * columns * height)
-            + self.base.compute(level, base, top, lines)
-            + self.other.compute(level, other, top, lines)
+            + self.base.compute(level, base, lines.clone(), reach.every)
+            + self.other.compute(level, other, lines, reach.every)
             + self.edges.compute(level, &self.grey)
     }
 
@@ -119,11 +119,6 @@ impl Strip {
     /// A pixel of the map is every so many-th one of the image.
     pub fn every(&self) -> usize {
         self.every
-    }
-
-    /// Where row `y` of the map lies in the looks of the images.
-    pub fn row_of_looks(&self, y: usize) -> usize {
-        self.every * self.row(y)
     }
 }
 
@@ -164,7 +159,7 @@ mod tests {
             let mut looks = [Looks::default(), Looks::default()];
             slopes.compute(level, &values, every, 0..rows);
             for (looks, grey) in looks.iter_mut().zip(given.grey) {
-                looks.compute(level, grey, TOP, every * rows);
+                looks.compute(level, grey, TOP..TOP + every * rows, every);
             }
             let grey =
                 Plane::from_fn(columns, rows, |x, y| left.row(TOP + every * y)[3 + every * x]);
@@ -183,9 +178,8 @@ mod tests {
                     let row = strip.row(y);
                     assert_eq!(strip.slopes.row(row), slopes.row(y));
                     assert_eq!(strip.notes.row(row), notes.row(y));
-                    let row_of_looks = strip.row_of_looks(y);
-                    assert_eq!(strip.base.row(row_of_looks), looks[0].row(every * y));
-                    assert_eq!(strip.other.row(row_of_looks), looks[1].row(every * y));
+                    assert_eq!(strip.base.row(row), looks[0].row(y));
+                    assert_eq!(strip.other.row(row), looks[1].row(y));
                     assert_eq!(strip.grey.row(row), grey.row(y));
                     // Straight up to the first row of the strip.
                     let change = |edges: &Edges, from: usize, to: usize| -> Vec<u16> {

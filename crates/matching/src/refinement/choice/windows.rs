@@ -144,10 +144,11 @@ impl Windows {
         self.windows.resize(columns * rows, Window::default());
     }
 
-    /// Those of row `y` of an image as wide as the rows that there is memory for, as row `place` of them.
+    /// Those of row `y` of what was looked at, of an image as wide as the rows that there is memory for, as row
+    /// `place` of them.
     pub fn compute(&mut self, level: Level, image: &Looks, y: usize, place: usize) {
         let columns = image.columns();
-        let near = [y.saturating_sub(APART), y, (y + APART).min(image.rows() - 1)];
+        let near = [y.saturating_sub(image.apart()), y, y + image.apart()];
         for (rows, y) in self.rows.iter_mut().zip(near) {
             for (row, part) in rows.iter_mut().zip(image.row(y)) {
                 row[..APART].fill(part[0]);
@@ -213,16 +214,19 @@ mod tests {
         let images = [(); 2].map(|()| Plane::from_fn(columns, rows, |_, _| chance.bits(8) as u8));
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            let looks = images.each_ref().map(|image| {
-                let mut looks = Looks::default();
-                looks.compute(level, image.view(), 0, rows);
-                looks
-            });
-            for y in [0, 3, 5] {
-                let windows = looks.each_ref().map(|looks| {
+            let looks = |every: usize| {
+                images.each_ref().map(|image| {
+                    let mut looks = Looks::default();
+                    looks.compute(level, image.view(), 0..rows, every);
+                    looks
+                })
+            };
+            let of_all_rows = looks(1);
+            for (y, every) in [(0, 1), (3, 1), (5, 1), (0, 2), (2, 2), (4, 2)] {
+                let windows = looks(every).map(|looks| {
                     let mut windows = Windows::default();
                     windows.reset(columns, 2);
-                    windows.compute(level, looks, y, 1);
+                    windows.compute(level, &looks, y / every, 1);
                     windows
                 });
                 let places = [(); 2].map(|()| {
@@ -248,7 +252,7 @@ mod tests {
                         };
                         let row = of(y, dy, rows);
                         let [a, b] = [(0, x), (1, there)].map(|(image, x): (usize, usize)| {
-                            let [census, steps] = looks[image].row(row);
+                            let [census, steps] = of_all_rows[image].row(row);
                             (census[of(x, dx, columns)], steps[of(x, dx, columns)])
                         });
                         let unlike = (a.0 ^ b.0).count_ones();
