@@ -50,10 +50,9 @@ static DOUBTFUL: Weights = Weights::new(20, 45);
 
 impl Weights {
     const fn new(census: u16, descriptor: u16) -> Self {
-        let census = Weight::new(census);
-        let largest = census.of(BITS as usize) as u16 + descriptor + LARGEST_STEP as u16;
+        let largest = (BITS as u16 * census + 64 * descriptor) / 64 + LARGEST_STEP as u16;
         assert!(largest <= LARGEST_COST as u16, "paths and their sums have no room for more");
-        Self { census, descriptor }
+        Self { census: Weight::new(census), descriptor }
     }
 }
 
@@ -275,16 +274,14 @@ fn add_up(
     (step, steps): (u8, &[u8]),
     costs: &mut [u8],
 ) {
-    let (words, _) = words.as_chunks::<LANES>();
-    let (words, rest) = words.as_chunks::<2>();
-    let (costs, costs_rest) = costs.as_chunks_mut::<{ 2 * LANES }>();
-    let (steps, steps_rest) = steps.as_chunks::<{ 2 * LANES }>();
+    let (words, last_words) = words.as_chunks::<LANES>().0.as_chunks::<2>();
+    let (costs, last_costs) = costs.as_chunks_mut::<{ 2 * LANES }>();
+    let (steps, last_steps) = steps.as_chunks::<{ 2 * LANES }>();
     for ((costs, words), steps) in costs.iter_mut().zip(words).zip(steps) {
         *costs = with_steps(instructions.weighed_in_two(word, words, weight), step, steps);
     }
-    if let ([words], Some(costs), Some(steps)) =
-        (rest, costs_rest.as_mut_array(), steps_rest.as_array())
-    {
+    let (costs, steps) = (last_costs.as_chunks_mut::<LANES>().0, last_steps.as_chunks().0);
+    for ((costs, words), steps) in costs.iter_mut().zip(last_words).zip(steps) {
         *costs = with_steps(instructions.weighed(word, words, weight), step, steps);
     }
 }
@@ -414,7 +411,7 @@ mod tests {
                                 .map(|(view, x)| step(view, x, image_row, pairs));
                             let unlike = descriptors[0].row(image_row)[x]
                                 ^ descriptors[1].row(image_row)[at];
-                            let expected = u32::from(weights.census.of(bits as usize))
+                            let expected = bits * u32::from(weights.census.each) / 64
                                 + u32::from(a.abs_diff(b).min(20))
                                 + unlike.count_ones() * u32::from(weights.descriptor) / 64;
                             assert_eq!(u32::from(cost), expected, "({x}, {y}), {k}");

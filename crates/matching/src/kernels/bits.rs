@@ -19,7 +19,7 @@ pub(crate) const LANES: usize = 32;
 #[derive(Debug)]
 pub(crate) struct Weight {
     /// In 64ths.
-    each: u16,
+    pub each: u16,
     /// What so many bits count.
     of_bits: [u8; 2 * LANES],
 }
@@ -34,11 +34,6 @@ impl Weight {
             bits += 1;
         }
         Self { each, of_bits }
-    }
-
-    /// What so many bits count.
-    pub const fn of(&self, bits: usize) -> u8 {
-        self.of_bits[bits]
     }
 }
 

@@ -106,7 +106,7 @@ pub struct Args {
 
     /// Memory to take at most for matching, such as 400MB or 1.5GiB: with less, balanced and best
     /// take more time, up to about half as much again; the answer does not depend on it [default:
-    /// 200MB, or what is needed with 50MB for the sums of semi-global matching]
+    /// 200MB, or what is needed with 100MB for the sums of semi-global matching]
     #[arg(long, value_name = "SIZE", help_heading = "Matching")]
     #[arg(value_parser = arguments::memory)]
     memory: Option<usize>,

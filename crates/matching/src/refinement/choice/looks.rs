@@ -7,7 +7,7 @@ use std::ops::Range;
 use raster::{Plane, View};
 use rayon::prelude::*;
 
-use super::windows::APART;
+use super::windows::rows_apart;
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
 use crate::profile::Work;
@@ -16,8 +16,8 @@ use crate::profile::Work;
 #[derive(Debug, Default)]
 pub(crate) struct Looks {
     looks: Plane<u8>,
-    /// Of every so many-th row of the image.
-    every: usize,
+    /// The pixels of a window stand so many of these rows apart.
+    apart: usize,
 }
 
 impl Looks {
@@ -31,8 +31,8 @@ impl Looks {
         every: usize,
     ) -> Work {
         let (columns, height) = (image.columns(), image.rows());
-        self.every = every;
-        let count = rows.len().div_ceil(every) + self.apart();
+        self.apart = rows_apart(every);
+        let count = rows.len().div_ceil(every) + self.apart;
         self.looks.reshape(2 * columns, count, 0);
         let looks = self.looks.samples_mut().par_chunks_mut(2 * columns).enumerate();
         looks.for_each(|(y, looks)| {
@@ -47,7 +47,7 @@ impl Looks {
 
     /// Bytes of the looks of so many rows.
     pub fn bytes(columns: usize, rows: usize, every: usize) -> usize {
-        2 * columns * (rows + APART / every)
+        2 * columns * (rows + rows_apart(every))
     }
 
     pub fn columns(&self) -> usize {
@@ -56,7 +56,7 @@ impl Looks {
 
     /// How many of these rows the pixels of a window stand apart.
     pub fn apart(&self) -> usize {
-        APART / self.every
+        self.apart
     }
 
     /// The parts of row `y`.

@@ -12,7 +12,7 @@ use super::looks::Looks;
 use super::notes::Notes;
 use super::reach::Reach;
 use super::slopes::Slopes;
-use super::windows::APART;
+use super::windows::rows_apart;
 use crate::kernels::every::take_every;
 use crate::kernels::level::Level;
 use crate::profile::Work;
@@ -59,7 +59,7 @@ impl Strip {
 
     /// How many rows beyond these are looked at.
     fn margin(reach: &Reach) -> usize {
-        reach.rows() + APART.div_ceil(reach.every)
+        reach.rows() + rows_apart(reach.every)
     }
 
     /// The rows of a map, in strips.

@@ -11,7 +11,7 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Lanes;
 
 /// The pixels of a window stand so far apart.
-pub(super) const APART: usize = 2;
+const APART: usize = 2;
 /// Steps in a window.
 pub(super) const STEPS: u32 = 5;
 /// The census bits in a window.
@@ -27,6 +27,12 @@ const LARGEST_STEP: u8 = 20;
 const FLAT: u8 = 128;
 /// Steps beyond this are as much texture as this.
 const LARGEST_TEXTURE: u8 = 32;
+
+/// How many rows apart they are where every so many-th row is looked at.
+pub(super) fn rows_apart(every: usize) -> usize {
+    debug_assert!(APART.is_multiple_of(every), "windows see no row that is not looked at");
+    APART / every
+}
 
 /// What lies around a pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
