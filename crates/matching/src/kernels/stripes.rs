@@ -21,17 +21,16 @@ pub(crate) const LANES: usize = 64;
 /// So many neighbours go between stripes and a row at once.
 const NEIGHBOURS: usize = 4;
 
-/// Columns of a window.
-const WINDOW: usize = 2 * RADIUS + 1;
+/// Columns of a window but the last.
+const BEFORE_LAST: usize = 2 * RADIUS;
 
 /// The layout of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {
     /// Columns of a stripe.
     stripe: usize,
-    /// Where the vectors begin that the windows of the vector before the first see, counted from
-    /// that vector on.
-    first_vectors: [usize; WINDOW],
+    /// Where the vectors begin that the windows of the first vector see, but the last of them.
+    first_vectors: [usize; BEFORE_LAST],
     /// Columns that are answered.
     answered: usize,
     /// Disparities that are tried, and as many rounded up to whole groups of those compared together.
@@ -56,7 +55,7 @@ impl Layout {
         let right_first = space.first as i64 - i64::from(space.min) - (count as i64 - 1);
         let layout = Self {
             stripe,
-            first_vectors: [0; WINDOW],
+            first_vectors: [0; BEFORE_LAST],
             answered: space.columns(),
             tried: space.count,
             count,
@@ -64,8 +63,7 @@ impl Layout {
             right_first,
             width: space.width,
         };
-        let vector_after = |j: usize| if j > 0 { LANES + layout.place(j - 1) } else { 0 };
-        Self { first_vectors: std::array::from_fn(vector_after), ..layout }
+        Self { first_vectors: std::array::from_fn(|column| layout.place(column)), ..layout }
     }
 
     /// Columns that are answered.
@@ -115,9 +113,8 @@ impl Layout {
         place % LANES * self.stripe + place / LANES
     }
 
-    /// Where the vectors begin that the windows of the vector before the first see, counted from
-    /// that vector on.
-    pub fn first_vectors(&self) -> [usize; WINDOW] {
+    /// Where the vectors begin that the windows of the first vector see, but the last of them.
+    pub fn first_vectors(&self) -> [usize; BEFORE_LAST] {
         self.first_vectors
     }
 

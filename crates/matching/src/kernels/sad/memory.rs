@@ -7,10 +7,6 @@ use crate::kernels::stripes::{LANES, Layout};
 /// What stands before the vectors of what counts of the columns' sums: a vector of each disparity that is compared
 /// together.
 pub(super) const BEFORE: usize = TOGETHER * LANES;
-/// Sums of all disparities that are compared together but the last, in as many vectors.
-const RECENT: usize = TOGETHER * (TOGETHER - 1) * LANES;
-/// The right view compares sums of so many vectors before the one that is at hand, and after the last one.
-const BESIDE: usize = TOGETHER - 1;
 
 /// What won in one row, column by column. An index is that of a row before where nothing could be tried.
 #[derive(Debug, Default)]
@@ -59,10 +55,10 @@ pub(crate) struct Sad {
     pub(super) columns: Aligned<u8>,
     /// Of those at hand what counts of `V`, after [`BEFORE`], and after the last a vector more.
     pub(super) counted: Aligned<u8>,
-    /// `C` of the disparities that are compared together: of the last of them in all vectors, after that before
-    /// the first, and of the others in as many vectors as there are.
-    pub(super) last: Aligned<u8>,
-    pub(super) recent: Aligned<u8>,
+    /// `C` of the disparities that are compared together, in groups of a vector of each: of left vector `j`, counted
+    /// from the one before the first, that of the last index lies in group `j`, that of each before it in the next
+    /// one. So what matches the same right columns is in one group. Where there is no left vector nothing counts.
+    pub(super) sums: Aligned<u8>,
     /// Of the left view the least sums, their indices, and the sums beside them.
     pub(super) least: Aligned<u8>,
     pub(super) left: Indices,
@@ -79,7 +75,7 @@ pub(crate) struct Sad {
     pub(super) largest: Aligned<u8>,
     /// All bits set where right columns are outside the image, as they lie in a right row with a vector more.
     pub(super) outside: Aligned<u8>,
-    /// All bits set where left columns are not answered, in the vectors of a row and those [`BESIDE`] them.
+    /// All bits set where left columns are not answered.
     pub(super) beyond: Aligned<u8>,
     /// Of what layout these tables are.
     prepared_for: Option<Layout>,
@@ -100,11 +96,11 @@ impl Sad {
     pub fn bytes(layout: &Layout) -> usize {
         let (left, right) = (layout.left(), layout.right());
         let columns = layout.count() * left + BEFORE + TOGETHER * left + LANES;
-        let sums = left + LANES + RECENT;
+        let sums = TOGETHER * (left + TOGETHER * LANES);
         let striped = 5 * left + 3 * right;
         let winners = (size_of::<u16>() + 4) * left + size_of::<u16>() * (left + layout.count());
-        let tables = 2 * left + right + LANES + 2 * BESIDE * LANES;
-        columns + sums + striped + winners + tables + 15 * LINE
+        let tables = 2 * left + right + LANES;
+        columns + sums + striped + winners + tables + 14 * LINE
     }
 
     /// Begins a band of rows with an empty window.
@@ -112,8 +108,7 @@ impl Sad {
         let (left, right) = (layout.left(), layout.right());
         self.columns.refill(layout.count() * left, 0);
         self.counted.refill(BEFORE + TOGETHER * left + LANES, 0);
-        self.last.refill(left + LANES, OUT);
-        self.recent.refill(RECENT, OUT);
+        self.sums.refill(TOGETHER * (left + TOGETHER * LANES), OUT);
         for row in [&mut self.least, &mut self.before, &mut self.after] {
             row.refill(left, 0);
         }
@@ -140,8 +135,8 @@ impl Sad {
         for (outside, place) in self.outside.iter_mut().zip(0..) {
             *outside = mask(!layout.is_match_inside(layout.column(place)));
         }
-        self.beyond.refill(left + 2 * BESIDE * LANES, u8::MAX);
-        for (beyond, place) in self.beyond[BESIDE * LANES..].iter_mut().zip(0..left) {
+        self.beyond.refill(left, 0);
+        for (beyond, place) in self.beyond.iter_mut().zip(0..) {
             *beyond = mask(layout.column(place) >= layout.answered());
         }
     }

@@ -19,14 +19,15 @@
 //! 3. `C` is slid along the row: what enters the window is added, what leaves it taken away.
 //! 4. The least sums of both views, their indices, and those beside the left view's: column `x` of the left
 //!    is column `x - min - k` of the right, so both are a comparison with a row of minima. The right view
-//!    compares each disparity's sum of another column, none more than three vectors back: no row of sums is kept
-//!    but that of the disparity beside the next ones.
+//!    compares each disparity's sum of another column, one vector further back for each: sums lie in memory so
+//!    that these are next to each other.
 //!
 //! Nearly everything is an operation on whole vectors that begin where a cache line does, and no vector is
 //! ever folded into one number. (With the disparities of a column side by side, as OpenCV has them,
 //! `C` is slid along as well, but finding the least of a vector and its place costs more.) What is not needed
 //! any more is not kept: sums of all disparities, to be looked up around the winners, would go through the
-//! second-level cache. Four disparities are compared together, so that minima are loaded and stored less often.
+//! second-level cache. Eight disparities are compared together, so that minima are loaded and stored less often:
+//! loads and stores take as much of the time as operations do.
 
 mod memory;
 mod order;
@@ -53,7 +54,7 @@ pub(crate) const OUT: u8 = SIDE * LARGEST_COLUMN + 1;
 const _: () = assert!(SIDE * (LARGEST_COLUMN + 1) >= OUT);
 
 /// So many disparities are compared together; at the end of the range some of them are not tried.
-pub(crate) const TOGETHER: usize = 4;
+pub(crate) const TOGETHER: usize = 8;
 
 /// So many indices differ in their lower byte; only where there are more, the higher one is looked at.
 const BYTE: usize = 1 << u8::BITS;
@@ -101,8 +102,9 @@ at_every_level! {
 }
 
 // The innermost loops below go through one whole vector, of arguments that are known not to overlap: the
-// compiler then makes vectors of them whatever the link-time optimisation. What has to be unrolled, or taken
-// from an array of slices, or called as a closure inside them, it may see through too late.
+// compiler then makes vectors of them whatever the link-time optimisation. What has to be taken from an array of
+// slices, or called as a closure inside them, it may see through too late. All disparities that are compared
+// together are handled in one such loop: in one for each, what they share is loaded again for each.
 
 /// The vector at a place.
 #[inline(always)]
@@ -130,8 +132,6 @@ fn groups_mut(samples: &mut [u8], at: usize, count: usize) -> &mut [[u8; LANES]]
 
 /// A vector of each disparity that is compared together.
 type Vectors = [[u8; LANES]; TOGETHER];
-/// The same, of all but the last of them.
-type VectorsBeforeLast = [[u8; LANES]; TOGETHER - 1];
 
 /// So many such vectors from a place on.
 #[inline(always)]
@@ -172,20 +172,15 @@ fn slide_columns(
     let right_in = groups(entering.right, right, count + TOGETHER - 1);
     let right_out = groups(leaving.right, right, count + TOGETHER - 1);
     for j in 0..count {
-        for n in 0..TOGETHER {
-            let right = j + TOGETHER - 1 - n;
-            let (gain, loss) = ([&left_in[j], &right_in[right]], [&left_out[j], &right_out[right]]);
-            let columns = &mut columns[j][n];
-            slide_vector(
-                columns,
-                gain[0],
-                gain[1],
-                loss[0],
-                loss[1],
-                &largest[j],
-                &mut counted[j][n],
-            );
-        }
+        slide_vectors(
+            &mut columns[j],
+            &left_in[j],
+            right_in[j..].first_chunk().expect("as many as disparities"),
+            &left_out[j],
+            right_out[j..].first_chunk().expect("as many as disparities"),
+            &largest[j],
+            &mut counted[j],
+        );
     }
 }
 
@@ -196,23 +191,25 @@ fn difference(left: u8, right: u8) -> u8 {
     (left as i8).wrapping_sub(right as i8).unsigned_abs()
 }
 
-/// `V` of a vector: a difference enters, another one leaves.
+/// `V` of a vector of each disparity: a difference enters, another one leaves.
 #[inline(always)]
-fn slide_vector(
-    sums: &mut [u8; LANES],
+fn slide_vectors(
+    sums: &mut Vectors,
     left_in: &[u8; LANES],
-    right_in: &[u8; LANES],
+    right_in: &Vectors,
     left_out: &[u8; LANES],
-    right_out: &[u8; LANES],
+    right_out: &Vectors,
     largest: &[u8; LANES],
-    counted: &mut [u8; LANES],
+    counted: &mut Vectors,
 ) {
-    for i in 0..LANES {
-        let gain = difference(left_in[i], right_in[i]);
-        let loss = difference(left_out[i], right_out[i]);
-        let sum = sums[i].wrapping_add(gain).wrapping_sub(loss);
-        sums[i] = sum;
-        counted[i] = (sum >> COARSER).min(largest[i]);
+    for l in 0..LANES {
+        for n in 0..TOGETHER {
+            let gain = difference(left_in[l], right_in[TOGETHER - 1 - n][l]);
+            let loss = difference(left_out[l], right_out[TOGETHER - 1 - n][l]);
+            let sum = sums[n][l].wrapping_add(gain).wrapping_sub(loss);
+            sums[n][l] = sum;
+            counted[n][l] = (sum >> COARSER).min(largest[l]);
+        }
     }
 }
 
@@ -226,8 +223,11 @@ fn match_all<const MANY: bool>(
 ) {
     // Indices stay: where a sum is the least so far, its own is written. The first group finds the sums before
     // it where its own will stand.
-    for row in [&mut sad.least, &mut sad.right_least, &mut sad.last] {
+    for row in [&mut sad.least, &mut sad.right_least] {
         row.fill(OUT);
+    }
+    for sums in &mut side_by_side_mut(&mut sad.sums, 0, layout.stripe() + TOGETHER)[1..] {
+        sums[TOGETHER - 1].fill(OUT);
     }
     for k in (0..layout.count()).step_by(TOGETHER) {
         slide_columns(sad, layout, k, entering, leaving);
@@ -242,53 +242,34 @@ fn match_all<const MANY: bool>(
 fn match_some<const MANY: bool>(sad: &mut Sad, layout: &Layout, k: usize) {
     for n in layout.tried().saturating_sub(k)..TOGETHER {
         // What makes up the number of disparities: no sum of these is to count.
-        for vectors in side_by_side_mut(&mut sad.counted, 0, layout.stripe() + 1) {
+        for vectors in side_by_side_mut(&mut sad.counted, BEFORE, layout.stripe()) {
             vectors[n].fill(LARGEST_COLUMN + 1);
         }
     }
-    // From the vector before the first on.
+    let (right, stripe) = (layout.shift(k + TOGETHER - 1), layout.stripe());
+    let sums = side_by_side_mut(&mut sad.sums, 0, stripe + TOGETHER);
+    begin_sums(&mut sad.counted, sums, layout);
     let counted = &sad.counted[..];
-    let right = layout.shift(k + TOGETHER - 1);
-    let [before_last @ .., of_last] = first_sums(counted, layout);
-    // Of the last four vectors, the latest in front; where the next one will stand.
-    let recent: &mut [[u8; LANES]] = sad.recent.as_chunks_mut().0;
-    let recent: &mut [VectorsBeforeLast; TOGETHER] =
-        recent.as_chunks_mut().0.first_chunk_mut().expect("four");
-    let [mut latest, mut second, mut third, mut next] = recent.each_mut();
-    *latest = before_last;
-    let last = groups_mut(&mut sad.last, 0, layout.stripe() + 1);
-    last[0] = of_last;
-    let rights = layout.stripe() + TOGETHER - 1;
-    let right_least = groups_mut(&mut sad.right_least, right * LANES, rights);
-    let right_low = groups_mut(&mut sad.right.low, right * LANES, rights);
-    let right_high = groups_mut(&mut sad.right.high, right * LANES, rights);
-    // From the vectors on that stood before the first, none of which is answered.
-    let beyond = groups(&sad.beyond, 0, rights + TOGETHER - 1);
+    let beyond = groups(&sad.beyond, 0, stripe);
     for (range, enters) in layout.windows_ends() {
         let (first, count) = (range.start, range.len());
         let enter = side_by_side(counted, BEFORE + place_of_all(enters), count);
         let leave = side_by_side(counted, place_of_all(first * LANES), count);
         let outside = groups(&sad.outside, (right + first) * LANES, count + TOGETHER);
-        let beyond = &beyond[first..][..count + TOGETHER - 1];
+        let beyond = &beyond[first..][..count];
         let least = groups_mut(&mut sad.least, first * LANES, count);
         let low = groups_mut(&mut sad.left.low, first * LANES, count);
         let high = groups_mut(&mut sad.left.high, first * LANES, count);
         let before = groups_mut(&mut sad.before, first * LANES, count);
         let after = groups_mut(&mut sad.after, first * LANES, count);
-        let last = &mut last[first..][..count + 1];
-        let right_least = &mut right_least[first..][..count];
-        let right_low = &mut right_low[first..][..count];
-        let right_high = &mut right_high[first..][..count];
+        let sums = &mut sums[first..][..count + TOGETHER];
         for j in 0..count {
-            let [from_last, to_last] = last[j..].first_chunk_mut().expect("one before each");
             slide_along::<MANY>(
-                latest,
-                from_last,
+                sums[j..].first_chunk_mut().expect("one more than disparities"),
                 &enter[j],
                 &leave[j],
                 outside[j..].first_chunk().expect("one more than disparities"),
-                next,
-                to_last,
+                &beyond[j],
                 &mut least[j],
                 &mut low[j],
                 &mut high[j],
@@ -296,39 +277,41 @@ fn match_some<const MANY: bool>(sad: &mut Sad, layout: &Layout, k: usize) {
                 &mut after[j],
                 k,
             );
-            compare_right::<MANY>(
-                [&third[0], &second[1], &latest[2], to_last],
-                beyond[j..].first_chunk().expect("as many as disparities"),
-                &mut right_least[j],
-                &mut right_low[j],
-                &mut right_high[j],
-                k,
-            );
-            (latest, second, third, next) = (next, latest, second, third);
         }
     }
-    // Beyond the last vector.
-    let out = &[OUT; LANES];
-    for (j, costs) in (layout.stripe()..).zip([
-        [&third[0], &second[1], &latest[2], out],
-        [&second[0], &latest[1], out, out],
-        [&latest[0], out, out, out],
-    ]) {
-        let beyond = beyond[j..].first_chunk().expect("as many as disparities");
-        let (least, low) = (&mut right_least[j], &mut right_low[j]);
-        compare_right::<MANY>(costs, beyond, least, low, &mut right_high[j], k);
+    // The first ones are of what the left view compares the first index with.
+    let sums = &sums[1..];
+    let rights = sums.len();
+    let right_least = groups_mut(&mut sad.right_least, right * LANES, rights);
+    let right_low = groups_mut(&mut sad.right.low, right * LANES, rights);
+    let right_high = groups_mut(&mut sad.right.high, right * LANES, rights);
+    for j in 0..rights {
+        compare_right::<MANY>(
+            &sums[j],
+            &mut right_least[j],
+            &mut right_low[j],
+            &mut right_high[j],
+            k,
+        );
     }
 }
 
-/// The sums of the windows before those of the first vector, of columns with a vector before it. Whatever that
-/// holds is in these sums, and leaves with the next step: until then none of them counts.
+/// Readies the sums of the windows before those of the first vector, none of which is to count: what stands before
+/// the vectors of what counts of the columns makes up for what the others lack of all bits, and leaves with the
+/// next step.
 #[inline(always)]
-fn first_sums(counted: &[u8], layout: &Layout) -> Vectors {
-    let mut sums = [[0; LANES]; TOGETHER];
+fn begin_sums(counted: &mut [u8], sums: &mut [Vectors], layout: &Layout) {
+    let mut seen = [[0; LANES]; TOGETHER];
     for at in layout.first_vectors() {
-        add(&side_by_side(counted, place_of_all(at), 1)[0], &mut sums);
+        add(&side_by_side(counted, BEFORE + place_of_all(at), 1)[0], &mut seen);
     }
-    sums
+    let before = &mut side_by_side_mut(counted, 0, 1)[0];
+    for n in 0..TOGETHER {
+        sums[TOGETHER - 1 - n][n] = [u8::MAX; LANES];
+        for l in 0..LANES {
+            before[n][l] = u8::MAX - seen[n][l];
+        }
+    }
 }
 
 /// Adds vectors to sums.
@@ -347,18 +330,19 @@ fn bytes(k: usize) -> [u8; 2] {
     (k as u16).to_le_bytes()
 }
 
-/// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away.
-/// The sums are compared with the least ones so far of the left view, but for those whose match is outside;
-/// where those of the last index are put stand those of the index before `k`.
+/// `C` of the windows one column further on, of indices `k ..`: what enters is added, what leaves taken away; of
+/// columns that are not answered none is to count. The sums are compared with the least ones so far of the left
+/// view, but for those whose match is outside.
+///
+/// What the right view compares is one vector further on at each index before the last, so there they are put. Where
+/// those of the last index are put stand those of the index before `k`.
 #[inline(always)]
 fn slide_along<const MANY: bool>(
-    from: &VectorsBeforeLast,
-    from_last: &[u8; LANES],
+    sums: &mut [Vectors; TOGETHER + 1],
     enter: &Vectors,
     leave: &Vectors,
     outside: &[[u8; LANES]; TOGETHER + 1],
-    to: &mut VectorsBeforeLast,
-    to_last: &mut [u8; LANES],
+    beyond: &[u8; LANES],
     least: &mut [u8; LANES],
     low: &mut [u8; LANES],
     high: &mut [u8; LANES],
@@ -368,20 +352,15 @@ fn slide_along<const MANY: bool>(
 ) {
     for l in 0..LANES {
         // What the last index is compared with comes first.
-        let mut cost_before = to_last[l] | outside[TOGETHER][l];
+        let mut cost_before = sums[1][TOGETHER - 1][l] | outside[TOGETHER][l];
         let (mut lowest, mut place) = (least[l], low[l]);
         let (mut below, mut above) = (before[l], after[l]);
         let [low_before, high_before] = bytes(k.wrapping_sub(1));
         let mut is_before = (place == low_before) & (!MANY | (high[l] == high_before));
         for n in 0..TOGETHER {
-            let is_last = n == TOGETHER - 1;
-            let from = if is_last { from_last[l] } else { from[n][l] };
-            let sum = from.wrapping_add(enter[n][l]).wrapping_sub(leave[n][l]);
-            if is_last {
-                to_last[l] = sum;
-            } else {
-                to[n][l] = sum;
-            }
+            let from = sums[TOGETHER - 1 - n][n][l];
+            let sum = from.wrapping_add(enter[n][l]).wrapping_sub(leave[n][l]) | beyond[l];
+            sums[TOGETHER - n][n][l] = sum;
             let cost = sum | outside[TOGETHER - 1 - n][l];
             above = if is_before { cost } else { above };
             let lower = lowest.min(cost);
@@ -401,12 +380,11 @@ fn slide_along<const MANY: bool>(
     }
 }
 
-/// Compares the sums of indices `k ..` with the least ones so far of the right view, but for those of left
-/// columns that are not answered: what matches the same right columns stands one vector further on at every index.
+/// Compares the sums of indices `k ..` with the least ones so far of the right view, of left columns that match the
+/// same right ones.
 #[inline(always)]
 fn compare_right<const MANY: bool>(
-    sums: [&[u8; LANES]; TOGETHER],
-    beyond: &Vectors,
+    sums: &Vectors,
     least: &mut [u8; LANES],
     low: &mut [u8; LANES],
     high: &mut [u8; LANES],
@@ -415,7 +393,7 @@ fn compare_right<const MANY: bool>(
     for l in 0..LANES {
         let (mut lowest, mut place) = (least[l], low[l]);
         for n in 0..TOGETHER {
-            let cost = sums[n][l] | beyond[n][l];
+            let cost = sums[n][l];
             let lower = lowest.min(cost);
             place = if lower != lowest { bytes(k + n)[0] } else { place };
             lowest = lower;
