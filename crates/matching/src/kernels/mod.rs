@@ -1,5 +1,5 @@
 //! What must be quick. One file per kernel: the scalar definition, the body that the compiler
-//! vectorises (in four of them, the vectors themselves), and the test that they agree bit for bit at
+//! vectorises (in five of them, the vectors themselves), and the test that they agree bit for bit at
 //! every level of the processor.
 
 pub(crate) mod ahead;
@@ -9,6 +9,7 @@ pub(crate) mod border;
 pub(crate) mod cubic;
 pub(crate) mod every;
 pub mod level;
+pub(crate) mod look_up;
 pub(crate) mod median;
 pub(crate) mod nearness;
 pub(crate) mod path;

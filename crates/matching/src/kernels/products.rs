@@ -16,6 +16,7 @@
 
 use super::aligned::Line;
 use super::bits::Bits;
+use super::look_up::LookUp;
 use super::nearness::Nearness;
 use super::rounding::nearest;
 
@@ -112,7 +113,7 @@ pub(crate) type Sums = Line<[i32; LANES]>;
 pub(crate) type Lanes = Line<[f32; LANES]>;
 
 /// What adds pairs of products at one level.
-pub(crate) trait Products: Bits + Nearness {
+pub(crate) trait Products: Bits + LookUp + Nearness {
     /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be.
     fn pairs(self, numbers: &[Lanes; 2]) -> Sums;
 
@@ -131,6 +132,9 @@ pub(crate) struct Plain;
 
 #[cfg(all(test, target_arch = "x86_64"))]
 impl Bits for Plain {}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+impl LookUp for Plain {}
 
 #[cfg(any(test, not(target_arch = "x86_64")))]
 impl Products for Plain {

@@ -14,6 +14,8 @@
 //!   for a flat valley, as blank walls have.
 
 use crate::kernels::level::at_every_level;
+use crate::kernels::look_up::LANES;
+use crate::kernels::products::Products;
 use crate::kernels::rounding::nearest;
 use crate::kernels::sad::{OUT, Winners};
 use crate::kernels::stripes::Layout;
@@ -25,7 +27,7 @@ const BLOCK: usize = 64;
 
 at_every_level! {
     /// Fills one row of `disparities` and `confidence`, a value of each for every answered column.
-    pub(crate) fn confirm_row(
+    pub(crate) fn confirm_row[tables](
         winners: &Winners,
         layout: &Layout,
         numbers: FixedPoint,
@@ -41,10 +43,11 @@ at_every_level! {
             let mut opposite = [0; BLOCK];
             let farthest = layout.shift(0);
             let reach = &winners.right_index[x..][..disparities.len() + farthest];
-            look_up(index, reach, farthest, &mut opposite);
+            let opposite = &mut opposite[..index.len()];
+            winners_opposite(tables, index, reach, farthest, opposite);
             let [least, before, after] =
                 [&winners.least, &winners.before, &winners.after].map(|row| &row[block.clone()]);
-            evaluate(index, &opposite, least, before, after, last, numbers, disparities, confidence);
+            evaluate(index, opposite, least, before, after, last, numbers, disparities, confidence);
         }
     }
 }
@@ -52,9 +55,22 @@ at_every_level! {
 /// Of columns next to each other the index that wins at the right pixel that their winner points at; `farthest` is
 /// how far on from the column that of the first index is.
 #[inline(always)]
-fn look_up(index: &[u16], reach: &[u16], farthest: usize, opposite: &mut [u16; BLOCK]) {
-    for (i, (&k, opposite)) in index.iter().zip(opposite).enumerate() {
-        *opposite = reach[i + farthest - usize::from(k)];
+fn winners_opposite(
+    tables: impl Products,
+    index: &[u16],
+    reach: &[u16],
+    farthest: usize,
+    opposite: &mut [u16],
+) {
+    let blocks = index.chunks(LANES).zip(opposite.chunks_mut(LANES));
+    for (first, (index, opposite)) in (0..).step_by(LANES).zip(blocks) {
+        let n = index.len();
+        let mut places = [0; LANES];
+        for (i, (place, &k)) in places.iter_mut().zip(index).enumerate() {
+            *place = (i + farthest) as u16 - k;
+        }
+        let table = &reach[first..][..n + farthest];
+        opposite.copy_from_slice(&tables.look_up(table, &places)[..n]);
     }
 }
 
