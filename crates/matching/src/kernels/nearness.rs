@@ -16,6 +16,12 @@ use super::products::{LANES, Numbers, Sums};
 
 /// What compares numbers at one level. No two numbers differ by more than 16 bits with a sign hold.
 pub(crate) trait Nearness: Copy {
+    /// Of numbers in turns those of either kind, each in the places of both.
+    #[inline(always)]
+    fn of_each(self, pair: &Numbers) -> [Numbers; 2] {
+        [0, 1].map(|kind| Line(std::array::from_fn(|i| pair[i & !1 | kind])))
+    }
+
     /// Of each of several numbers: the weights of those that are nearer than `within`, by several kinds of weights.
     #[inline(always)]
     fn near<const N: usize, const KINDS: usize>(
@@ -78,6 +84,7 @@ mod x86 {
     macro_rules! nearness {
         (
             $level:ident, $part:ident, $same:ident, $subtract:ident, $largest:ident, $least:ident,
+            $shuffle_low:ident, $shuffle_high:ident,
             |$off:ident, $within:ident| $near:expr, |$sums:ident| $negated:expr
         ) => {
             impl $level {
@@ -90,6 +97,24 @@ mod x86 {
             }
 
             impl Nearness for $level {
+                #[inline(always)]
+                fn of_each(self, pair: &Numbers) -> [Numbers; 2] {
+                    let mut each = [Line([0; 2 * LANES]); 2];
+                    for part in 0..Self::PARTS {
+                        let pair = self.read(pair, part);
+                        // SAFETY: as in `off`.
+                        let (one, other) = unsafe {
+                            (
+                                $shuffle_high::<0b10_10_00_00>($shuffle_low::<0b10_10_00_00>(pair)),
+                                $shuffle_high::<0b11_11_01_01>($shuffle_low::<0b11_11_01_01>(pair)),
+                            )
+                        };
+                        self.write(&mut each[0], part, one);
+                        self.write(&mut each[1], part, other);
+                    }
+                    each
+                }
+
                 #[inline(always)]
                 fn near<const N: usize, const KINDS: usize>(
                     self,
@@ -166,6 +191,8 @@ mod x86 {
         _mm_sub_epi16,
         _mm_max_epi16,
         _mm_min_epi16,
+        _mm_shufflelo_epi16,
+        _mm_shufflehi_epi16,
         |off, within| _mm_cmplt_epi16(off, within),
         |sums| _mm_sub_epi32(_mm_setzero_si128(), sums)
     );
@@ -176,6 +203,8 @@ mod x86 {
         _mm256_sub_epi16,
         _mm256_max_epi16,
         _mm256_min_epi16,
+        _mm256_shufflelo_epi16,
+        _mm256_shufflehi_epi16,
         |off, within| _mm256_cmpgt_epi16(within, off),
         |sums| _mm256_sub_epi32(_mm256_setzero_si256(), sums)
     );
@@ -186,6 +215,8 @@ mod x86 {
         _mm512_sub_epi16,
         _mm512_max_epi16,
         _mm512_min_epi16,
+        _mm512_shufflelo_epi16,
+        _mm512_shufflehi_epi16,
         |off, within| _mm512_movm_epi16(_mm512_cmplt_epi16_mask(off, within)),
         |sums| _mm512_sub_epi32(_mm512_setzero_si512(), sums)
     );
@@ -207,6 +238,10 @@ mod tests {
             nearness.near(numbers, 64, others, weights)
         }
 
+        fn of_each_at[nearness](pair: &Numbers) -> [Numbers; 2] {
+            nearness.of_each(pair)
+        }
+
         fn apart_at[nearness](
             numbers: [&Numbers; 2],
             others: &[Numbers],
@@ -225,6 +260,16 @@ mod tests {
         assert_eq!(Plain.near([&all(100)], 64, &others, &weights), [[Line([20; LANES])]]);
         let weights = [all(1), all(10)];
         assert_eq!(Plain.apart([&all(64)], 50, &others, &weights), [Line([2 * 50 + 10; LANES])]);
+    }
+
+    #[test]
+    fn numbers_in_turns_are_told_apart() {
+        let pair = Line(std::array::from_fn(|i| i as i16));
+        let each = [0, 1].map(|kind| Line(std::array::from_fn(|i| (i - i % 2 + kind) as i16)));
+        assert_eq!(Plain.of_each(&pair), each);
+        for level in Level::available() {
+            assert_eq!(of_each_at(level, &pair), each, "level {}", level.name());
+        }
     }
 
     #[test]

@@ -224,17 +224,18 @@ mod x86 {
                     unsafe { std::ptr::from_ref(numbers).cast::<$sums>().add(part).read() }
                 }
 
-                /// Writes a part of sums.
+                /// Writes a part of them.
                 #[inline(always)]
-                pub(in crate::kernels) fn write(
+                pub(in crate::kernels) fn write<A: Copy>(
                     self,
-                    sums: &mut Sums,
+                    numbers: &mut Line<A>,
                     part: usize,
                     of_part: $sums,
                 ) {
+                    const { assert!(size_of::<A>() == size_of::<[i32; LANES]>()) };
                     assert!(part < Self::PARTS);
                     // SAFETY: as in `read`.
-                    unsafe { std::ptr::from_mut(sums).cast::<$sums>().add(part).write(of_part) }
+                    unsafe { std::ptr::from_mut(numbers).cast::<$sums>().add(part).write(of_part) }
                 }
 
                 /// Sums, and the products of two vectors.

@@ -369,7 +369,7 @@ impl Block {
             }
         }
         for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
-            let [one, two] = self.relations.of(i);
+            let [one, two] = self.relations.of(products, i);
             *votes = products.near([&one, &two], SAME, self.relations.pairs(), &self.heard);
         }
         for (scale, all) in self.scales.iter_mut().zip(&all) {

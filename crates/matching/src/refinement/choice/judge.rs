@@ -299,8 +299,8 @@ pub(super) fn verdict(products: impl Products, block: &Block, mind: &mut Mind) -
     }
     // Some that grow together: what the others say is read once for all of these.
     for (i, expected) in expected[..n].as_chunks_mut::<GROUP>().0.iter_mut().enumerate() {
-        let ([one, two], [three, four]) =
-            (block.relations.of(2 * i), block.relations.of(2 * i + 1));
+        let [one, two] = block.relations.of(products, 2 * i);
+        let [three, four] = block.relations.of(products, 2 * i + 1);
         let candidates = [&one, &two, &three, &four];
         *expected = products.apart(candidates, FAR_IN_PARTS, block.relations.pairs(), shares);
     }

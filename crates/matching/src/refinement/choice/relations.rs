@@ -6,6 +6,7 @@
 use super::block::LANES;
 use super::reach::MOST;
 use crate::kernels::aligned::Line;
+use crate::kernels::nearness::Nearness;
 use crate::kernels::products::{Lanes, Numbers, Sums};
 use crate::kernels::rounding::nearest;
 
@@ -50,16 +51,8 @@ impl Relations {
 
     /// The two candidates of a pair, each in the places of both.
     #[inline(always)]
-    pub fn of(&self, pair: usize) -> [Numbers; 2] {
-        let pair = &self.pairs[pair];
-        let mut both = [NO_NUMBERS; 2];
-        for i in 0..2 * LANES {
-            both[0][i] = pair[i & !1];
-        }
-        for i in 0..2 * LANES {
-            both[1][i] = pair[i | 1];
-        }
-        both
+    pub fn of(&self, nearness: impl Nearness, pair: usize) -> [Numbers; 2] {
+        nearness.of_each(&self.pairs[pair])
     }
 }
 
@@ -89,7 +82,6 @@ pub(super) fn in_turns(one: &Sums, other: &Sums) -> Numbers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::nearness::Nearness;
     use crate::kernels::products::Plain;
 
     #[test]
@@ -98,7 +90,7 @@ mod tests {
         let disparities = [3.0, 3.5, 3.99, 4.01, 3.0 - 1e6, 1e9].map(|d| Line([d; LANES]));
         relations.find(&disparities, &Line([3.0; LANES]));
         assert_eq!(relations.pairs().len(), 3);
-        let [first, second] = relations.of(0);
+        let [first, second] = relations.of(Plain, 0);
         let pairs = relations.pairs();
         assert_eq!([first, second].map(|of| of[..2].to_vec()), [[0, 0], [32, 32]]);
         // Of either of a pair, told apart by their weights.
@@ -113,7 +105,7 @@ mod tests {
         assert_eq!(*apart(&second, 2, 192), [192 + 100 * 192; LANES]);
         assert_eq!(*same(&first, 1), [1; LANES]);
         // The farthest ones are not near to each other.
-        let [low, high] = relations.of(2);
+        let [low, high] = relations.of(Plain, 2);
         let apart: [i32; 2 * LANES] =
             std::array::from_fn(|i| i32::from(high[i]) - i32::from(low[i]));
         assert_eq!(apart, [32_640; 2 * LANES]);
