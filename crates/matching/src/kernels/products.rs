@@ -6,8 +6,8 @@
 //!
 //! for 16 sums of 32 bits and a pair of numbers that all of them share. x86 has one instruction for the
 //! two products and their sum, and with VNNI for all of it, but the compiler makes neither of plain loops
-//! in which one factor is shared. So this is the one kernel that is written out per level. Whole numbers
-//! have one right answer: all levels agree as long as nothing overflows.
+//! in which one factor is shared. So they are written out per level. Whole numbers have one right
+//! answer: all levels agree as long as nothing overflows.
 //!
 //! Samples have [`FRACTION`] bits behind the point, and weights as many as no sum can overflow with
 //! ([`Weighing`]).
