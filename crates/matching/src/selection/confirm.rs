@@ -14,8 +14,7 @@
 //!   for a flat valley, as blank walls have.
 
 use crate::kernels::level::at_every_level;
-use crate::kernels::look_up::LANES;
-use crate::kernels::products::Products;
+use crate::kernels::look_up::{LANES, LookUp};
 use crate::kernels::rounding::nearest;
 use crate::kernels::sad::{OUT, Winners};
 use crate::kernels::stripes::Layout;
@@ -56,7 +55,7 @@ at_every_level! {
 /// how far on from the column that of the first index is.
 #[inline(always)]
 fn winners_opposite(
-    tables: impl Products,
+    tables: impl LookUp,
     index: &[u16],
     reach: &[u16],
     farthest: usize,

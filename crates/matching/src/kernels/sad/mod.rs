@@ -280,7 +280,7 @@ fn match_some<const MANY: bool>(sad: &mut Sad, layout: &Layout, k: usize) {
             );
         }
     }
-    // The first ones are of what the left view compares the first index with.
+    // In the first group there is no sum but that before the first vector.
     let sums = &sums[1..];
     let rights = sums.len();
     let right_least = groups_mut(&mut sad.right_least, right * LANES, rights);
