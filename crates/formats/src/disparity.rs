@@ -4,9 +4,9 @@ use std::path::Path;
 
 use raster::{Image, Plane};
 
-use crate::atomic::write_atomically;
+use crate::numbers::Numbers;
 use crate::source::{Container, Source};
-use crate::{Encoding, FormatError, image, npy, pfm, png, tiff};
+use crate::{Encoding, FormatError, image, npy, pfm, tiff};
 
 /// A disparity map as read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,8 +167,14 @@ pub fn implausible_scale(values: &Plane<f32>, max_disparity: f32) -> Option<f32>
     if fits(high) { None } else { [4.0, 16.0, 256.0].into_iter().find(|s| fits(high / s)) }
 }
 
-/// The extensions that [`write_disparity`] knows.
-const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit), .tiff (float32)";
+/// How disparities stand in files.
+const DISPARITIES: Numbers = Numbers {
+    known: ".pfm, .npy (float32), .png (KITTI, 16 bit), .tiff (float32)",
+    finite: "a disparity is finite, or NaN for no value",
+    scale: 256.0,
+    below: 256.0,
+    png: "KITTI's 16-bit PNG holds 0 up to, not including, 256 pixels: write .pfm, .npy or .tiff instead",
+};
 
 /// Writes a disparity map, its format by extension, whole or not at all.
 ///
@@ -185,51 +191,5 @@ const KNOWN: &str = ".pfm, .npy (float32), .png (KITTI, 16 bit), .tiff (float32)
 /// are an error that names the pixel.
 /// An infinite value is an error in every format, because it is neither a disparity nor "no value".
 pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<(), FormatError> {
-    let path = path.as_ref();
-    if values.samples().is_empty() {
-        let problem = "the map has no pixels: at least 1 x 1 is needed".to_owned();
-        return Err(FormatError::Write { path: path.to_owned(), problem, source: None });
-    }
-    refuse(path, values, |v| v.is_infinite(), "a disparity is finite, or NaN for no value")?;
-    match image::extension(path).as_deref() {
-        Some("pfm") => write_atomically(path, |writer| pfm::encode(values, writer)),
-        Some("npy") => npy::write(path, values),
-        Some("tif" | "tiff") => write_atomically(path, |writer| tiff::encode(values, writer)),
-        Some("png") => {
-            refuse(
-                path,
-                values,
-                |v| !(0.0..256.0).contains(&v) && !v.is_nan(),
-                "KITTI's 16-bit PNG holds 0 up to, not including, 256 pixels: write .pfm, .npy or \
-                 .tiff instead",
-            )?;
-            let image = Image::Grey16(values.map(|&v| kitti_sample(v)));
-            write_atomically(path, |writer| png::encode(&image, writer))
-        }
-        _ => Err(FormatError::UnknownExtension { path: path.to_owned(), known: KNOWN }),
-    }
-}
-
-/// `round(256 d)`, at least 1 because 0 means none, at most 65535.
-fn kitti_sample(value: f32) -> u16 {
-    if value.is_nan() { 0 } else { ((value * 256.0).round() as u16).max(1) }
-}
-
-/// Errors at the first pixel whose value is `bad`.
-fn refuse(
-    path: &Path,
-    values: &Plane<f32>,
-    bad: impl Fn(f32) -> bool,
-    allowed: &'static str,
-) -> Result<(), FormatError> {
-    match values.samples().iter().position(|&v| bad(v)) {
-        None => Ok(()),
-        Some(at) => Err(FormatError::Unrepresentable {
-            path: path.to_owned(),
-            x: at % values.columns(),
-            y: at / values.columns(),
-            value: f64::from(values.samples()[at]),
-            allowed,
-        }),
-    }
+    DISPARITIES.write(path.as_ref(), values)
 }

@@ -30,6 +30,14 @@
 //! Integers do not say their scale, and a map at the wrong scale looks right and scores as almost
 //! all wrong: [`ReadDisparity::note`] tells what was assumed, [`implausible_scale`] finds out.
 //!
+//! # Depth: [`write_depth`], [`write_points`]
+//!
+//! | what | extension | content |
+//! | --- | --- | --- |
+//! | depth map | `.pfm`, `.npy`, `.tiff` | metres, float32 |
+//! | depth map | `.png` | millimetres, 16 bit, 0 where there is none |
+//! | points | `.ply` | metres and colours, binary |
+//!
 //! # What goes with them
 //!
 //! | file | reader | content |
@@ -64,6 +72,7 @@
 mod atomic;
 mod bounding_box;
 mod calibration;
+mod depth;
 mod disparity;
 mod encoding;
 mod error;
@@ -73,8 +82,10 @@ mod jpeg;
 mod mask;
 mod netpbm;
 pub mod npy;
+mod numbers;
 mod pfm;
 pub mod picture;
+mod ply;
 mod png;
 mod pnm;
 mod source;
@@ -83,10 +94,12 @@ mod tiff;
 pub use atomic::write_atomically;
 pub use bounding_box::{parse_bounding_box, read_bounding_box};
 pub use calibration::{Calibration, CalibrationLayout, read_calibration};
+pub use depth::write_depth;
 pub use disparity::{ReadDisparity, implausible_scale, read_disparity, write_disparity};
 pub use encoding::Encoding;
 pub use error::FormatError;
 pub use image::{read_image, write_image};
 pub use inspect::{DisparityReading, FileContent, FileInfo, Statistics, inspect, inspect_bytes};
 pub use mask::read_mask;
+pub use ply::{Point, write_points};
 pub use source::{Container, MAX_FILE_BYTES, MAX_PIXELS};
