@@ -67,6 +67,7 @@ commands! {
     "Matching" {
         Match => match_pair,
         Score => score,
+        Depth => depth,
         Info => info,
         Explain => explain,
     }

@@ -18,7 +18,7 @@ use crate::dataset::{Case, CaseData, Purpose};
 use crate::engine::{Attempt, Status, Usage, Worker};
 
 pub use machine::Machine;
-pub use scoring::{ConfidenceScore, RegionScores, score};
+pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RegionScores, at_least, score};
 
 /// One engine on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,6 +61,9 @@ pub struct Record {
     pub scores: Vec<Scores>,
     /// Scores over the pixels of each reason, if the engine gives reasons.
     pub by_reason: Vec<Scores>,
+    /// Scores over the pixels that are sure enough, for several bounds, if the engine says how sure
+    /// it is; their regions are named by [`at_least`].
+    pub by_confidence: Vec<Scores>,
     /// How well the engine's confidence ranks its errors.
     pub confidence: Option<ConfidenceScore>,
     /// How many pixels the engine gave each reason, if it gives reasons.
@@ -123,6 +126,7 @@ impl Record {
             protocol: data.protocol.clone(),
             scores: scored.scores,
             by_reason: scored.by_reason,
+            by_confidence: scored.by_confidence,
             confidence: scored.confidence,
             reasons,
             usage: median(&runs),

@@ -11,6 +11,9 @@ use crate::engine::Answer;
 /// Errors above this many pixels are what a confidence should rank last.
 const RANKED_BAD: f64 = 2.0;
 
+/// How sure a pixel may have to be.
+pub const LEAST_CONFIDENCES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 0.9];
+
 /// How well a confidence ranks errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ConfidenceScore {
@@ -34,6 +37,9 @@ pub struct RegionScores {
     /// Over the pixels of each reason that any pixel with truth was given; their regions are the
     /// names of the reasons.
     pub by_reason: Vec<Scores>,
+    /// Over the pixels that are at least as sure as each of [`LEAST_CONFIDENCES`], if there is a
+    /// confidence and any is; their regions are named by [`at_least`].
+    pub by_confidence: Vec<Scores>,
     /// How well the confidence ranks errors, if there is a confidence and an estimate to rank.
     pub confidence: Option<ConfidenceScore>,
 }
@@ -57,6 +63,14 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
             let mask = reasons.map(|&other| other == reason);
             let selected = Region::masked(reason.name(), &mask).within(bounds);
             by_reason.extend(if_any(evaluation.scores(&selected))?);
+        }
+    }
+    let mut by_confidence = Vec::new();
+    if let Some(confidence) = &answer.confidence {
+        for least in LEAST_CONFIDENCES {
+            let mask = confidence.map(|&sure| sure >= least);
+            let selected = Region::masked(at_least(least), &mask).within(bounds);
+            by_confidence.extend(if_any(evaluation.scores(&selected))?);
         }
     }
     for region in &data.regions {
@@ -86,7 +100,12 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
             }
         }
     };
-    Ok(RegionScores { scores, by_reason, confidence })
+    Ok(RegionScores { scores, by_reason, by_confidence, confidence })
+}
+
+/// The region of pixels that are at least so sure.
+pub fn at_least(confidence: f32) -> String {
+    format!("confidence >= {confidence}")
 }
 
 /// The scores of a region, which may well be empty: nothing is occluded on a plane.
@@ -132,6 +151,11 @@ mod tests {
         assert_eq!(scored.scores[2].middlebury.avgerr, Some(0.5));
         let reasons: Vec<_> = scored.by_reason.iter().map(|s| (&s.region[..], s.pixels)).collect();
         assert_eq!(reasons, [("matched", 2), ("occluded-filled", 1)]);
+        let sure: Vec<_> = scored.by_confidence.iter().map(|s| (&s.region[..], s.pixels)).collect();
+        let expected = [(0.0, 3), (0.25, 2), (0.5, 2), (0.75, 2), (0.9, 1)];
+        let expected = expected.map(|(least, pixels)| (at_least(least), pixels));
+        assert!(sure.iter().zip(&expected).all(|(a, (name, pixels))| *a == (&name[..], *pixels)));
+        assert_eq!(sure.len(), expected.len(), "every bound has a row");
         assert_eq!(scored.confidence.unwrap().ause, 0.0, "the bad pixel is the least sure");
         assert_eq!(
             scored.scores[1].middlebury.clipped, 0,

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod board;
 pub mod completions;
 pub mod demo;
+pub mod depth;
 pub mod doctor;
 pub mod engine;
 pub mod explain;

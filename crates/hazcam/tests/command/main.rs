@@ -2,6 +2,7 @@
 //! with is looked at.
 
 mod bad_input;
+mod depth;
 mod doctor;
 mod folder;
 mod help;

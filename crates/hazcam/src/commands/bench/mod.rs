@@ -58,6 +58,7 @@ Examples:
   hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml
   hazcam bench --speed --threads 2 --record benchmarks/speed.json --into README.md
   hazcam bench --speed --sweep --matcher fast
+  hazcam bench --reliability --use tuning --matcher best
   hazcam bench --ablation --matcher balanced --scenes 'middlebury*' --jobs 2")]
 pub struct Args {
     #[command(flatten)]
@@ -94,6 +95,12 @@ pub struct Args {
     #[arg(conflicts_with_all = ["speed", "stress", "reference", "limits", "engine"])]
     ablation: bool,
 
+    /// Show how reliable disparities are by how sure matchers are of them: how many pixels are as sure,
+    /// and how many of these are wrong
+    #[arg(long, help_heading = "Reliability")]
+    #[arg(conflicts_with_all = ["speed", "stress", "ablation", "reference", "limits"])]
+    reliability: bool,
+
     /// How to show the results
     #[arg(long, default_value = "text", help_heading = "Output")]
     #[arg(value_parser = super::choice(Format::NAMES))]
@@ -109,7 +116,8 @@ pub struct Args {
 
     /// Put an overview into a Markdown page, between its lines <!-- results --> and
     /// <!-- /results -->, with --speed between <!-- speed --> and <!-- /speed -->, with
-    /// --ablation between <!-- ablation --> and <!-- /ablation -->
+    /// --ablation between <!-- ablation --> and <!-- /ablation -->, with --reliability between
+    /// <!-- reliability --> and <!-- /reliability -->
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     into: Option<PathBuf>,
 }
@@ -138,17 +146,17 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         limits: args.limits.as_deref().map(Limits::read).transpose()?,
         jobs: args.jobs,
     };
-    let marker = if args.ablation { "ablation" } else { "results" };
+    let (view, marker) = match () {
+        () if args.stress => (View::Strains, "results"),
+        () if args.ablation => (View::Ablation, "ablation"),
+        () if args.reliability => (View::Reliability, "reliability"),
+        () => (View::Scores, "results"),
+    };
     let page = args.into.map(|path| Page::open(path, marker)).transpose()?;
     let mut output = match args.out {
         Some(folder) => Output::in_folder(folder, args.pictures)?,
         None => Output::default(),
     };
-    (output.format, output.page) = (format, page);
-    if args.stress {
-        output.view = View::Strains;
-    } else if args.ablation {
-        output.view = View::Ablation;
-    }
+    (output.view, output.format, output.page) = (view, format, page);
     contest.run(&args.engines, output, ui)
 }

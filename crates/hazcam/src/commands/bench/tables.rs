@@ -21,6 +21,8 @@ pub enum View {
     Strains,
     /// What each ingredient of a preset gives.
     Ablation,
+    /// How reliable disparities are by how sure matchers are of them.
+    Reliability,
 }
 
 /// A run to be shown.
@@ -42,6 +44,7 @@ impl Tables<'_> {
             Format::Markdown => self.document(Table::to_markdown, |line| format!("* {line}")),
             Format::Csv => match self.view {
                 View::Ablation => ablation::table(&ablation::rows(self.records)).to_csv(),
+                View::Reliability => report::reliability_table(self.records).to_csv(),
                 _ => report::scores_table(self.records).to_csv(),
             },
             Format::Json => match self.view {
@@ -103,14 +106,19 @@ impl Tables<'_> {
                 let notes = notes(self.notes(ablation::legend(&rows)));
                 format!("{}\n{notes}", show(&ablation::table(&rows)))
             }
+            View::Reliability => format!(
+                "{}\n{}",
+                show(&report::reliability_table(records)),
+                notes(self.notes(report::RELIABILITY_LEGEND.map(str::to_owned).to_vec()))
+            ),
         }
     }
 
-    /// For a page: the table of an ablation, else every engine on every scene, and how it was
-    /// measured.
+    /// For a page: the table of an ablation or of reliability, else every engine on every scene, and
+    /// how it was measured.
     pub fn for_page(&self) -> String {
         let made_by = format!("made by `{}`", command_line());
-        if self.view == View::Ablation {
+        if matches!(self.view, View::Ablation | View::Reliability) {
             return format!("{}* {made_by}\n", self.render(Format::Markdown));
         }
         let mut text = report::overview_table(self.records).to_markdown();

@@ -1,0 +1,83 @@
+//! Which pixels of a map get a depth, and why the others do not.
+
+use camera::StereoCamera;
+use raster::Plane;
+use serde::Serialize;
+
+/// What makes a pixel's depth not worth having.
+pub struct Limits<'a> {
+    /// How sure each pixel is, and how sure it must be.
+    pub confidence: Option<(&'a Plane<f32>, f32)>,
+    /// In metres.
+    pub max_depth: Option<f64>,
+}
+
+/// How many pixels there are of each kind.
+#[derive(Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// With a depth.
+    pub kept: usize,
+    /// Whose map has no value.
+    pub without_disparity: usize,
+    /// Whose disparity, with `doffs`, is of nothing in front of the cameras.
+    pub behind: usize,
+    /// Less sure than they must be.
+    pub unsure: usize,
+    /// Beyond the largest depth.
+    pub too_far: usize,
+}
+
+/// The depth of each pixel in metres, NaN where there is none.
+pub fn depths(
+    disparities: &Plane<f32>,
+    camera: &StereoCamera,
+    limits: &Limits<'_>,
+) -> (Plane<f32>, Counts) {
+    let mut counts = Counts::default();
+    let mut at = 0;
+    let depths = disparities.map(|&disparity| {
+        let sure = limits.confidence.is_none_or(|(map, least)| map.samples()[at] >= least);
+        at += 1;
+        let depth = camera.depth(f64::from(disparity));
+        let (count, depth) = match depth {
+            _ if disparity.is_nan() => (&mut counts.without_disparity, None),
+            None => (&mut counts.behind, None),
+            Some(_) if !sure => (&mut counts.unsure, None),
+            Some(depth) if limits.max_depth.is_some_and(|most| depth > most) => {
+                (&mut counts.too_far, None)
+            }
+            Some(depth) => (&mut counts.kept, Some(depth)),
+        };
+        *count += 1;
+        depth.map_or(f32::NAN, |depth| depth as f32)
+    });
+    (depths, counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pixel_is_counted_once_with_its_reason() {
+        // Depth 200 / d.
+        let camera = StereoCamera::new(1000.0, 0.2, 0.0, 0.0, 0.0).unwrap();
+        let map = Plane::new(6, 1, vec![50.0, f32::NAN, 0.0, 100.0, 2.0, -3.0]).unwrap();
+        let sure = Plane::new(6, 1, vec![0.5, 1.0, 1.0, 0.4, 0.9, 1.0]).unwrap();
+        let limits = Limits { confidence: Some((&sure, 0.5)), max_depth: Some(80.0) };
+        let (depth, counts) = depths(&map, &camera, &limits);
+        assert_eq!(depth.samples()[0], 4.0);
+        assert!(depth.samples()[1..].iter().all(|depth| depth.is_nan()));
+        let expected = Counts { kept: 1, without_disparity: 1, behind: 2, unsure: 1, too_far: 1 };
+        assert_eq!(counts, expected);
+    }
+
+    #[test]
+    fn a_confidence_that_is_no_number_is_not_sure() {
+        let camera = StereoCamera::new(1000.0, 0.2, 0.0, 0.0, 0.0).unwrap();
+        let map = Plane::filled(1, 1, 10.0);
+        let sure = Plane::filled(1, 1, f32::NAN);
+        let limits = Limits { confidence: Some((&sure, 0.0)), max_depth: None };
+        assert_eq!(depths(&map, &camera, &limits).1.unsure, 1);
+    }
+}

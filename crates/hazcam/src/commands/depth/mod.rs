@@ -1,0 +1,165 @@
+//! `hazcam depth`: a disparity map and a camera in, depth and points out.
+
+mod kept;
+mod points;
+mod reach;
+mod rig;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::bail;
+use formats::Encoding;
+
+use crate::ui::Ui;
+use kept::Limits;
+use reach::Reach;
+use rig::CameraArguments;
+
+/// Turn a disparity map into depth and points, and say how good they are at which range
+///
+/// Depth is Z = f B / (d + doffs), in metres along the optical axis: f is the focal length in pixels, B
+/// the distance between the cameras. An error of e pixels in disparity is one of Z^2 e / (f B) in depth, so
+/// it grows with the square of the range.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The format of a depth map follows its extension:
+  .pfm   metres, float32, infinity where there is none
+  .npy   metres, float32, NaN where there is none
+  .tiff  metres, float32, NaN where there is none
+  .png   millimetres, 16 bit, 0 where there is none (as ROS has it): up to 65.535 m
+Points are in the left camera's axes, in metres: X to the right, Y down, Z forward.
+
+Examples:
+  hazcam depth disparity.pfm --calibration calib.txt -o depth.pfm
+  hazcam depth d.pfm --focal 721.5 --baseline 0.54 --points street.ply --image left.png
+  hazcam depth d.pfm --calibration calib.txt --confidence sure.pfm --min-confidence 0.5 -o depth.npy")]
+pub struct Args {
+    /// The disparity map: .pfm, .npy, .tiff or grey .png
+    disparity: PathBuf,
+
+    /// How its file stands for disparities, see `hazcam score --help`
+    #[arg(long, value_name = "ENCODING", default_value = "auto")]
+    encoding: Encoding,
+
+    #[command(flatten)]
+    camera: CameraArguments,
+
+    /// How sure each pixel is, from `hazcam match --confidence`: .pfm, .npy or .tiff
+    #[arg(long, value_name = "FILE", help_heading = "Which pixels", requires = "min_confidence")]
+    confidence: Option<PathBuf>,
+
+    /// Leave out pixels less sure than this, from 0 to 1
+    #[arg(long, value_name = "SHARE", help_heading = "Which pixels", requires = "confidence")]
+    #[arg(value_parser = share)]
+    min_confidence: Option<f32>,
+
+    /// Leave out what is farther away than this, in metres
+    #[arg(long, value_name = "M", help_heading = "Which pixels", value_parser = positive)]
+    max_depth: Option<f64>,
+
+    /// Where to write the depth: .pfm, .npy, .tiff, or .png in millimetres
+    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
+    output: Option<PathBuf>,
+
+    /// Where to write points with their colours: .ply
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    points: Option<PathBuf>,
+
+    /// The left image, for the colours of points [default: near is red, far is blue]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    image: Option<PathBuf>,
+
+    /// Where to write by how much each pixel's depth is off when its disparity is off by
+    /// --disparity-error: as the depth
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    uncertainty: Option<PathBuf>,
+
+    /// By how much disparities are off, in pixels
+    #[arg(long, value_name = "PX", default_value_t = 0.5, help_heading = "Output")]
+    #[arg(value_parser = positive)]
+    disparity_error: f64,
+
+    /// Print JSON
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
+
+/// What can be a length or an error.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "give a number above 0".into())
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "give a number from 0 to 1".into())
+}
+
+/// Reads everything, writes all files or none, prints how far depth is good.
+pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let read = formats::read_disparity(&args.disparity, args.encoding)?;
+    if let Some(note) = &read.note {
+        ui.note(format_args!("{}: {note}", args.disparity.display()));
+    }
+    let disparities = read.values;
+    let size = disparities.size();
+    let image = args.image.as_ref().map(formats::read_image).transpose()?;
+    if let (Some(path), Some(image)) = (&args.image, &image) {
+        same_size(&args, path, image.size(), size)?;
+    }
+    let confidence = match &args.confidence {
+        Some(path) => {
+            let values = formats::read_disparity(path, Encoding::Auto)?.values;
+            same_size(&args, path, values.size(), size)?;
+            Some(values)
+        }
+        None => None,
+    };
+    let camera = args.camera.camera(size, args.image.as_deref(), ui)?;
+    let limits = Limits {
+        confidence: confidence.as_ref().zip(args.min_confidence),
+        max_depth: args.max_depth,
+    };
+    let (depths, counts) = kept::depths(&disparities, &camera, &limits);
+
+    if let Some(path) = &args.output {
+        formats::write_depth(path, &depths)?;
+    }
+    if let Some(path) = &args.uncertainty {
+        let of_depth = |&depth: &f32| {
+            let error = camera.depth_uncertainty(f64::from(depth), args.disparity_error);
+            error.map_or(f32::NAN, |error| error as f32)
+        };
+        formats::write_depth(path, &depths.map(of_depth))?;
+    }
+    if let Some(path) = &args.points {
+        let points = points::points(&disparities, &depths, &camera, image.as_ref());
+        formats::write_points(path, &points)?;
+    }
+    let reach = Reach::new(&camera, &depths, counts, args.disparity_error);
+    match args.json {
+        true => ui.print(&(serde_json::to_string_pretty(&reach)? + "\n"))?,
+        false => ui.print(&reach.text())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Errors that name the files: `path` lies over the map.
+fn same_size(
+    args: &Args,
+    path: &Path,
+    found: (usize, usize),
+    (columns, rows): (usize, usize),
+) -> anyhow::Result<()> {
+    if found != (columns, rows) {
+        bail!(
+            "{} is {} x {} but {} is {columns} x {rows}: they must have one size",
+            path.display(),
+            found.0,
+            found.1,
+            args.disparity.display()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,221 @@
+//! How good depth is at which range: what an error of the disparity is worth.
+
+use std::fmt::Write;
+
+use camera::StereoCamera;
+use raster::Plane;
+use serde::Serialize;
+
+use super::kept::Counts;
+
+/// Errors of the depth, as shares of it, that one asks for.
+const SHARES: [f64; 3] = [0.01, 0.05, 0.1];
+/// Beyond this share the derivative says little about the error any more.
+const MEANINGFUL: f64 = 0.5;
+
+/// What `hazcam depth` prints.
+#[derive(Debug, Serialize)]
+pub struct Reach {
+    camera: StereoCamera,
+    pixels: Counts,
+    /// In metres; none where no pixel has a depth.
+    depth_m: Option<Span>,
+    /// The error of disparities that the following is for.
+    disparity_error_px: f64,
+    /// At round depths from the nearest to the farthest.
+    at: Vec<At>,
+    /// How far depth is as good as that.
+    good_to: Vec<GoodTo>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Span {
+    least: f64,
+    median: f64,
+    most: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct At {
+    depth_m: f64,
+    disparity_px: f64,
+    error_m: f64,
+    error_share: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct GoodTo {
+    error_share: f64,
+    depth_m: f64,
+}
+
+impl Reach {
+    pub fn new(
+        camera: &StereoCamera,
+        depths: &Plane<f32>,
+        pixels: Counts,
+        disparity_error_px: f64,
+    ) -> Self {
+        let depth_m = span(depths);
+        let at = |depth_m: f64| {
+            let error_m = camera.depth_uncertainty(depth_m, disparity_error_px)?;
+            let disparity_px = camera.disparity(depth_m)?;
+            Some(At { depth_m, disparity_px, error_m, error_share: error_m / depth_m })
+        };
+        let worth = |at: &At| at.error_share <= MEANINGFUL;
+        Self {
+            camera: *camera,
+            pixels,
+            depth_m,
+            disparity_error_px,
+            at: depth_m
+                .map_or_else(Vec::new, round_depths)
+                .into_iter()
+                .filter_map(at)
+                .filter(worth)
+                .collect(),
+            good_to: SHARES.map(|share| good_to(camera, share, disparity_error_px)).to_vec(),
+        }
+    }
+
+    /// In words and numbers.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        let mut line = |name: &str, content: String| {
+            writeln!(text, "{name:<8}{content}").expect("a string takes all");
+        };
+        line(
+            "depth",
+            match self.depth_m {
+                Some(Span { least, median, most }) => {
+                    format!("{least:.2} to {most:.2} m, half of the pixels within {median:.2} m")
+                }
+                None => "no pixel has one".into(),
+            },
+        );
+        line("pixels", self.pixels_in_words());
+        let StereoCamera { focal_px, baseline_m, doffs, .. } = self.camera;
+        line(
+            "camera",
+            format!(
+                "focal length {focal_px:.2} px, baseline {baseline_m:.4} m, doffs {doffs:.2} px"
+            ),
+        );
+        let error = self.disparity_error_px;
+        if !self.at.is_empty() {
+            write!(text, "\nwhat an error of {error} px in disparity is worth:\n")
+                .expect("as above");
+            writeln!(
+                text,
+                "{:>10}  {:>12}  {:>9}  {:>7}",
+                "depth m", "disparity px", "error m", "error %"
+            )
+            .expect("as above");
+        }
+        for At { depth_m, disparity_px, error_m, error_share } in &self.at {
+            let percent = 100.0 * error_share;
+            writeln!(text, "{depth_m:>10}  {disparity_px:>12.2}  {error_m:>9.3}  {percent:>7.2}")
+                .expect("as above");
+        }
+        let good = self.good_to.iter().map(|GoodTo { error_share, depth_m }| {
+            format!("{} % up to {depth_m:.2} m", 100.0 * error_share)
+        });
+        let good: Vec<String> = good.collect();
+        writeln!(text, "\nwith {error} px, depth is good to {}", good.join(", "))
+            .expect("as above");
+        text
+    }
+
+    fn pixels_in_words(&self) -> String {
+        let Counts { kept, without_disparity, behind, unsure, too_far } = self.pixels;
+        let mut words = format!("{kept} with a depth");
+        for (count, what) in [
+            (without_disparity, "without a disparity"),
+            (behind, "whose disparity is of nothing in front of the cameras"),
+            (unsure, "not sure enough"),
+            (too_far, "too far away"),
+        ] {
+            if count > 0 {
+                write!(words, ", {count} {what}").expect("a string takes all");
+            }
+        }
+        words
+    }
+}
+
+/// Up to where an error of the disparity is at most this share of the depth: `share f B / error`.
+fn good_to(camera: &StereoCamera, error_share: f64, disparity_error_px: f64) -> GoodTo {
+    let depth_m = error_share * camera.focal_px * camera.baseline_m / disparity_error_px;
+    GoodTo { error_share, depth_m }
+}
+
+fn span(depths: &Plane<f32>) -> Option<Span> {
+    let mut known: Vec<f32> = depths.samples().iter().copied().filter(|d| !d.is_nan()).collect();
+    let middle = known.len() / 2;
+    if known.is_empty() {
+        return None;
+    }
+    let (below, &mut median, above) = known.select_nth_unstable_by(middle, f32::total_cmp);
+    let least = below.iter().copied().fold(median, f32::min);
+    let most = above.iter().copied().fold(median, f32::max);
+    let [least, median, most] = [least, median, most].map(f64::from);
+    Some(Span { least, median, most })
+}
+
+/// 1, 2 and 5 times the powers of ten from the nearest to the farthest; if there is none, the median.
+fn round_depths(span: Span) -> Vec<f64> {
+    let powers = span.least.log10().floor() as i32..=span.most.log10().ceil() as i32;
+    let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|times| round(times, power)));
+    let within: Vec<f64> = all.filter(|d| (span.least..=span.most).contains(d)).collect();
+    if within.is_empty() { vec![span.median] } else { within }
+}
+
+/// A power of ten is exact, one below 1 is not: dividing rounds once.
+fn round(times: f64, power: i32) -> f64 {
+    if power < 0 { times / 10f64.powi(-power) } else { times * 10f64.powi(power) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reach(depths: Vec<f32>) -> Reach {
+        // f B = 200.
+        let camera = StereoCamera::new(1000.0, 0.2, 10.0, 0.0, 0.0).unwrap();
+        let depths = Plane::new(depths.len(), 1, depths).unwrap();
+        Reach::new(&camera, &depths, Counts { kept: 3, unsure: 2, ..Counts::default() }, 0.5)
+    }
+
+    #[test]
+    fn errors_stand_at_round_depths_within_the_map() {
+        let reach = reach(vec![0.4, 3.0, f32::NAN, 25.0]);
+        let depths: Vec<f64> = reach.at.iter().map(|at| at.depth_m).collect();
+        assert_eq!(depths, [0.5, 1.0, 2.0, 5.0, 10.0, 20.0]);
+        // Z^2 0.5 / 200, and 200 / Z - 10.
+        let at = reach.at[4];
+        assert_eq!((at.disparity_px, at.error_m, at.error_share), (10.0, 0.25, 0.025));
+        let good: Vec<f64> = reach.good_to.iter().map(|good| good.depth_m).collect();
+        assert_eq!(good, [4.0, 20.0, 40.0]);
+        assert_eq!(reach.depth_m.unwrap().median, 3.0);
+    }
+
+    #[test]
+    fn a_wall_between_round_depths_stands_at_its_median() {
+        let depths: Vec<f64> = reach(vec![3.0, 4.0, 4.5]).at.iter().map(|at| at.depth_m).collect();
+        assert_eq!(depths, [4.0]);
+    }
+
+    #[test]
+    fn where_the_error_is_as_large_as_the_depth_there_is_no_row() {
+        let far = reach(vec![150.0, 900.0, 9000.0]);
+        assert_eq!(far.at.iter().map(|at| at.depth_m).collect::<Vec<_>>(), [200.0]);
+    }
+
+    #[test]
+    fn words_tell_what_was_left_out_and_that_nothing_is_left() {
+        assert!(reach(vec![3.0]).text().contains("3 with a depth, 2 not sure enough\n"));
+        let nothing = reach(vec![f32::NAN]);
+        assert!(nothing.text().starts_with("depth   no pixel has one\n"));
+        assert!(nothing.at.is_empty());
+    }
+}

@@ -1,0 +1,117 @@
+//! Which camera saw a disparity map: what a calibration file says, or numbers.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use camera::StereoCamera;
+
+use crate::ui::Ui;
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArguments {
+    /// Calibration of Middlebury, ETH3D or KITTI (`hazcam info FILE` shows what is in it)
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
+
+    /// Instead of a calibration: the focal length in pixels
+    #[arg(long, value_name = "PX", requires = "baseline", conflicts_with = "calibration")]
+    #[arg(allow_negative_numbers = true)]
+    focal: Option<f64>,
+
+    /// The distance between the cameras in metres
+    #[arg(long, value_name = "M", requires = "focal", allow_negative_numbers = true)]
+    baseline: Option<f64>,
+
+    /// Column of the right camera's principal point less that of the left one, in pixels
+    #[arg(long, value_name = "PX", requires = "focal", default_value_t = 0.0)]
+    #[arg(allow_negative_numbers = true)]
+    doffs: f64,
+
+    /// Column and row of the principal point, in pixels; points alone need it [default: the middle
+    /// of the image]
+    #[arg(long, value_name = "CX,CY", requires = "focal", value_parser = principal_point)]
+    #[arg(allow_negative_numbers = true)]
+    principal: Option<[f64; 2]>,
+}
+
+/// `CX,CY`.
+fn principal_point(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
+    let point = (text.split(',').count() == 2).then(|| numbers.try_into().ok()).flatten();
+    point.ok_or_else(|| "give a column and a row, such as 609.6,172.9".into())
+}
+
+impl CameraArguments {
+    /// The camera of a map of this size; `image` is its left picture, if that was named.
+    pub fn camera(
+        &self,
+        size: (usize, usize),
+        image: Option<&Path>,
+        ui: &Ui,
+    ) -> anyhow::Result<StereoCamera> {
+        match &self.calibration {
+            Some(path) => calibrated(path, size, image, ui),
+            None => self.stated(size),
+        }
+    }
+
+    fn stated(&self, (columns, rows): (usize, usize)) -> anyhow::Result<StereoCamera> {
+        let (Some(focal), Some(baseline)) = (self.focal, self.baseline) else {
+            bail!(
+                "depth needs a camera: give --calibration FILE, or --focal in pixels and --baseline in \
+                 metres"
+            );
+        };
+        let middle = [columns, rows].map(|count| (count as f64 - 1.0) / 2.0);
+        let [cx, cy] = self.principal.unwrap_or(middle);
+        StereoCamera::new(focal, baseline, self.doffs, cx, cy)
+            .context("the numbers given make no camera")
+    }
+}
+
+fn calibrated(
+    path: &Path,
+    size: (usize, usize),
+    image: Option<&Path>,
+    ui: &Ui,
+) -> anyhow::Result<StereoCamera> {
+    let calibration = formats::read_calibration(path)?;
+    if let (Some(width), Some(height)) = (calibration.width, calibration.height)
+        && (width, height) != size
+    {
+        bail!(
+            "{} is for images of {width} x {height}, but the map is {} x {}: of a map at another \
+             scale give --focal, --baseline, --doffs and --principal at that scale",
+            path.display(),
+            size.0,
+            size.1
+        );
+    }
+    Ok(match image {
+        Some(image) => calibration.camera_of(image),
+        None => {
+            if calibration.colour_camera.is_some() {
+                ui.note(format_args!(
+                    "{}: cameras 0 and 1, the grey ones, were assumed; name the left picture with \
+                     --image if it is a coloured one",
+                    path.display()
+                ));
+            }
+            calibration.camera
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_principal_point_is_two_numbers() {
+        assert_eq!(principal_point("609.5, -2"), Ok([609.5, -2.0]));
+        for text in ["", "1", "1,", "1,2,3", "1,b", "a,2"] {
+            assert!(principal_point(text).is_err(), "{text}");
+        }
+    }
+}

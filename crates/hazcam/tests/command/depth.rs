@@ -1,0 +1,92 @@
+//! `hazcam depth` on disparities whose depth is known.
+
+use formats::Encoding;
+use raster::Plane;
+use serde_json::Value;
+
+use crate::folder::Folder;
+
+/// Focal length times baseline is 200: depths of 4, 2, none, none and 20 m.
+const CAMERA: &str = "--focal 1000 --baseline 0.2";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.disparities("d.pfm", &[50.0, 100.0, f32::NAN, 0.0, 10.0]);
+    folder.disparities("sure.pfm", &[1.0, 0.2, 1.0, 1.0, 0.9]);
+    folder
+}
+
+#[test]
+fn how_far_depth_is_good_is_printed() {
+    let outcome = folder().run(&format!("depth d.pfm {CAMERA}")).done();
+    insta::assert_snapshot!(outcome.stdout);
+    assert_eq!(outcome.stderr, "");
+}
+
+#[test]
+fn depth_its_uncertainty_and_points_are_written() {
+    let folder = folder();
+    folder.image("left.png", 5, 1, 0);
+    let run = folder.run(&format!(
+        "depth d.pfm {CAMERA} --image left.png -o z.npy --uncertainty u.pfm --points p.ply --disparity-error 1 \
+         --confidence sure.pfm --min-confidence 0.5 --max-depth 50 --json"
+    ));
+    let report: Value = serde_json::from_str(&run.done().stdout).unwrap();
+    assert_eq!(report["pixels"]["kept"], 2);
+    assert_eq!(report["pixels"]["unsure"], 1);
+    assert_eq!(report["depth_m"]["most"], 20.0);
+    let read = |name: &str| -> Plane<f32> {
+        formats::read_disparity(folder.path(name), Encoding::Auto).unwrap().values
+    };
+    let (depth, error) = (read("z.npy"), read("u.pfm"));
+    assert_eq!((depth.samples()[0], depth.samples()[4]), (4.0, 20.0));
+    // Z^2 / 200.
+    assert_eq!((error.samples()[0], error.samples()[4]), (0.08, 2.0));
+    assert!(
+        [1, 2, 3]
+            .iter()
+            .all(|&i: &usize| depth.samples()[i].is_nan() && error.samples()[i].is_nan())
+    );
+    let points = std::fs::read(folder.path("p.ply")).unwrap();
+    assert!(points.starts_with(b"ply\n"));
+    assert!(String::from_utf8_lossy(&points).contains("element vertex 2\n"));
+}
+
+#[test]
+fn a_calibration_of_another_size_is_refused() {
+    let folder = folder();
+    let calibration = "cam0=[1000 0 2; 0 1000 0; 0 0 1]\ncam1=[1000 0 2; 0 1000 0; 0 0 1]\ndoffs=0\n\
+                       baseline=200\nwidth=5\nheight=1\nndisp=100\n";
+    std::fs::write(folder.path("calib.txt"), calibration).unwrap();
+    folder.run("depth d.pfm --calibration calib.txt -o z.pfm").done();
+    std::fs::write(folder.path("calib.txt"), calibration.replace("width=5", "width=10")).unwrap();
+    let outcome = folder.run("depth d.pfm --calibration calib.txt -o other.pfm");
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stderr.contains("calib.txt is for images of 10 x 1, but the map is 5 x 1"));
+    assert!(!folder.names().contains(&"other.pfm".into()));
+}
+
+#[test]
+fn what_cannot_be_done_is_said_and_nothing_is_written() {
+    let folder = folder();
+    folder.disparities("small.pfm", &[1.0]);
+    let before = folder.names();
+    for (arguments, expected) in [
+        ("depth d.pfm", "give --calibration FILE, or --focal in pixels and --baseline in metres"),
+        ("depth d.pfm --focal 1000", "--baseline"),
+        ("depth d.pfm --focal -1 --baseline 0.2", "the camera's focal length in pixels is -1"),
+        ("depth d.pfm --focal 9 --baseline 1 --max-depth 0", "give a number above 0"),
+        ("depth d.pfm --focal 9 --baseline 1 --principal 4", "give a column and a row"),
+        ("depth d.pfm --focal 9 --baseline 1 -o z.bmp", "use one of .pfm"),
+        ("depth d.pfm --focal 90000 --baseline 1 -o z.png", "millimetres holds 0 to 65.535 m"),
+        (
+            "depth d.pfm --focal 9 --baseline 1 --confidence small.pfm --min-confidence 0.5",
+            "small.pfm is 1 x 1 but d.pfm is 5 x 1",
+        ),
+    ] {
+        let outcome = folder.run(arguments);
+        assert_eq!(outcome.status, 2, "{arguments}");
+        assert!(outcome.stderr.contains(expected), "{arguments}: {}", outcome.stderr);
+        assert_eq!(folder.names(), before, "{arguments}");
+    }
+}
