@@ -7,8 +7,18 @@ use std::path::{Component, Path, PathBuf};
 use flate2::read::MultiGzDecoder;
 use tar::EntryType;
 
+use super::budget::{Bounded, Budget};
 use super::contents::{Intake, is_clutter};
 use super::error::SubmissionError;
+
+/// Entries of an archive, folders and what is left out among them.
+const MAX_ENTRIES: usize = 10_000;
+
+/// Bytes of a name, as file systems have it.
+const LONGEST_NAME: usize = 255;
+
+/// Bytes of a name with its folders: a quarter of what Linux takes, whose paths begin elsewhere.
+const LONGEST_PATH: usize = 1024;
 
 /// Unpacks the archive at `path` into the empty folder `staging`.
 pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError> {
@@ -25,33 +35,48 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
             return Err(SubmissionError::WrongKind { path: path.to_owned(), found });
         }
     };
-    let damaged = |error: io::Error| SubmissionError::Damaged {
-        path: path.to_owned(),
-        problem: error.to_string(),
+    let budget = Budget::new();
+    let unreadable = |error: io::Error| match budget.excess() {
+        Some(problem) => SubmissionError::TooLarge { path: path.to_owned(), problem },
+        None => SubmissionError::Damaged { path: path.to_owned(), problem: error.to_string() },
     };
     let mut intake = Intake::new(path);
-    let mut archive = tar::Archive::new(reader);
-    for entry in archive.entries().map_err(damaged)? {
-        let entry = entry.map_err(damaged)?;
-        let name = entry.path().map_err(damaged)?.into_owned();
+    let mut archive = tar::Archive::new(Bounded::new(reader, &budget));
+    let mut entries = archive.entries().map_err(unreadable)?;
+    for count in 1.. {
+        budget.begin_headers();
+        let Some(entry) = entries.next() else { break };
+        let mut entry = entry.map_err(unreadable)?;
+        budget.begin_content();
+        if count > MAX_ENTRIES {
+            return Err(SubmissionError::TooLarge {
+                path: path.to_owned(),
+                problem: format!(
+                    "it holds more than {MAX_ENTRIES} entries; hand in the Python files alone"
+                ),
+            });
+        }
+        let name = entry.path().map_err(unreadable)?.into_owned();
         let relative = checked(&intake, &name)?;
-        match entry.header().entry_type() {
-            EntryType::Directory | EntryType::XGlobalHeader => continue,
+        let is_file = match entry.header().entry_type() {
+            EntryType::Directory | EntryType::XGlobalHeader => false,
             EntryType::Symlink | EntryType::Link => {
                 return Err(intake.refuse(&name, "is a link: pack the file itself (tar -h)"));
             }
-            EntryType::Regular | EntryType::Continuous => {}
+            EntryType::Regular | EntryType::Continuous => true,
             _ => return Err(intake.refuse(&name, "is no ordinary file: remove it")),
-        }
+        };
         let clutter = |part: Component<'_>| is_clutter(&part.as_os_str().to_string_lossy());
-        if relative.components().any(clutter) {
+        if !is_file || relative.components().any(clutter) {
+            // Read here, not by the library on its way to the next headers.
+            io::copy(&mut entry, &mut io::sink()).map_err(unreadable)?;
             continue;
         }
         let target = staging.join(&relative);
         if relative.as_os_str().is_empty() || target.is_dir() {
             return Err(intake.refuse(&name, "is a file and a folder at once: pack it again"));
         }
-        intake.take(entry, &target)?;
+        intake.take(entry, &target, &unreadable)?;
     }
     Ok(())
 }
@@ -59,6 +84,20 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
 /// The entry's path below the folder that it is unpacked into.
 fn checked(intake: &Intake<'_>, name: &Path) -> Result<PathBuf, SubmissionError> {
     let mut relative = PathBuf::new();
+    let bytes = name.as_os_str().as_encoded_bytes();
+    let longest = name.components().map(|part| part.as_os_str().len()).max().unwrap_or(0);
+    if bytes.len() > LONGEST_PATH || longest > LONGEST_NAME {
+        return Err(intake.refuse(
+            name,
+            format!(
+                "has too long a name: at most {LONGEST_NAME} bytes each, {LONGEST_PATH} with all \
+                 folders; rename it"
+            ),
+        ));
+    }
+    if bytes.contains(&0) {
+        return Err(intake.refuse(name, "has a name with a NUL byte in it: rename it"));
+    }
     for part in name.components() {
         match part {
             Component::Normal(part) => relative.push(part),

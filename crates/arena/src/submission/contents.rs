@@ -12,6 +12,9 @@ const MAX_FILES: usize = 1000;
 /// What a submission may hold, in bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
+/// Characters of an entry's name that messages show.
+const LONGEST_SHOWN: usize = 120;
+
 /// The files of the course's assignment.
 const FILES: [&str; 3] = ["secret_id.py", "stereo_disparity_fast.py", "stereo_disparity_best.py"];
 
@@ -30,13 +33,19 @@ impl<'a> Intake<'a> {
     pub fn refuse(&self, entry: &Path, problem: impl Into<String>) -> SubmissionError {
         SubmissionError::Entry {
             path: self.submission.to_owned(),
-            entry: entry.display().to_string(),
+            entry: shortened(&entry.display().to_string()),
             problem: problem.into(),
         }
     }
 
-    /// Takes one file: copies `reader`, whatever size was claimed for it, to `target`.
-    pub fn take(&mut self, mut reader: impl Read, target: &Path) -> Result<(), SubmissionError> {
+    /// Takes one file: copies `reader`, whatever size was claimed for it, to `target`. `unreadable`
+    /// tells what it means when `reader` fails.
+    pub fn take(
+        &mut self,
+        mut reader: impl Read,
+        target: &Path,
+        unreadable: &dyn Fn(io::Error) -> SubmissionError,
+    ) -> Result<(), SubmissionError> {
         let too_large =
             |problem| SubmissionError::TooLarge { path: self.submission.to_owned(), problem };
         self.files += 1;
@@ -52,12 +61,7 @@ impl<'a> Intake<'a> {
         let mut file = fs::File::create(target).map_err(failed)?;
         let left = MAX_BYTES - self.bytes;
         let copied =
-            io::copy(&mut reader.by_ref().take(left + 1), &mut file).map_err(|source| {
-                SubmissionError::Damaged {
-                    path: self.submission.to_owned(),
-                    problem: source.to_string(),
-                }
-            })?;
+            io::copy(&mut reader.by_ref().take(left + 1), &mut file).map_err(unreadable)?;
         if copied > left {
             return Err(too_large(format!(
                 "it holds more than {} MiB; hand in the Python files alone",
@@ -67,6 +71,17 @@ impl<'a> Intake<'a> {
         self.bytes += copied;
         Ok(())
     }
+}
+
+/// A name for messages: what a hostile one of many kilobytes would bury stays readable.
+fn shortened(name: &str) -> String {
+    let count = name.chars().count();
+    if count <= LONGEST_SHOWN {
+        return name.to_owned();
+    }
+    let end = LONGEST_SHOWN / 3;
+    let (first, last) = (name.chars().take(LONGEST_SHOWN - end), name.chars().skip(count - end));
+    first.chain(['…']).chain(last).collect()
 }
 
 /// Whether an entry is left out without a word: caches, version control, what editors and
@@ -96,9 +111,9 @@ pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError>
                 return Err(intake.refuse(&relative, problem));
             } else if kind.is_file() {
                 let path = entry.path();
-                let file = fs::File::open(&path)
-                    .map_err(|source| SubmissionError::Read { path, source })?;
-                intake.take(file, &to.join(relative))?;
+                let unreadable = |source| SubmissionError::Read { path: path.clone(), source };
+                let file = fs::File::open(&path).map_err(unreadable)?;
+                intake.take(file, &to.join(relative), &unreadable)?;
             } else {
                 return Err(intake.refuse(&relative, "is no ordinary file: remove it"));
             }

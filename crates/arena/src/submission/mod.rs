@@ -8,6 +8,7 @@
 //! make of a file.
 
 mod archive;
+mod budget;
 mod contents;
 mod error;
 mod finding;

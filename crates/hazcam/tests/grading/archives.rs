@@ -100,6 +100,75 @@ fn archives_that_grow_without_end_are_refused() {
     report.expect("RE", &["it holds more than 1000 files"]);
 }
 
+/// A header of this kind with this much content, such as the long name of the entry after it.
+fn append(builder: &mut Builder<impl Write>, kind: EntryType, name: &str, content: &[u8]) {
+    let mut header = Header::new_gnu();
+    header.set_path(name).unwrap();
+    header.set_entry_type(kind);
+    header.set_size(content.len() as u64);
+    header.set_cksum();
+    builder.append(&header, content).unwrap();
+}
+
+#[test]
+fn headers_that_grow_without_end_are_refused() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let path = classroom.path("names.tar.gz");
+    let pax = |value: usize| {
+        let body = format!(" comment={}\n", "x".repeat(value));
+        // The record's length counts its own digits.
+        let digits = (1..9).find(|n| (body.len() + n).to_string().len() == *n).unwrap();
+        format!("{}{body}", body.len() + digits)
+    };
+    for (kind, content, words) in [
+        (EntryType::GNULongName, "a".repeat(8 << 20), "take more than 64 KiB"),
+        (EntryType::GNULongLink, "a".repeat(8 << 20), "take more than 64 KiB"),
+        (EntryType::XHeader, pax(8 << 20), "take more than 64 KiB"),
+        // Short enough to be read, too long for any file.
+        (EntryType::GNULongName, "a".repeat(60_000), "has too long a name: at most 255 bytes"),
+        (EntryType::GNULongName, "a/".repeat(2000), "has too long a name: at most 255 bytes"),
+    ] {
+        let encoder = GzEncoder::new(File::create(&path).unwrap(), Compression::fast());
+        let mut builder = Builder::new(encoder);
+        append(&mut builder, kind, "extension", content.as_bytes());
+        append(&mut builder, EntryType::Regular, "secret_id.py", b"x");
+        builder.into_inner().unwrap().finish().unwrap();
+        let report = classroom.grade(&path, &[]);
+        report.expect("RE", &[words]);
+        assert!(report.message(0).len() < 500, "{}", report.message(0).len());
+    }
+    // Attributes of a few kilobytes, as some systems pack them, are fine.
+    let mut builder = Builder::new(File::create(classroom.path("mine.tar")).unwrap());
+    append(&mut builder, EntryType::XHeader, "extension", pax(60_000).as_bytes());
+    append(&mut builder, EntryType::Regular, "main.py", b"x");
+    builder.finish().unwrap();
+    let report = classroom.grade(&classroom.path("mine.tar"), &[]);
+    report.expect("RE", &["it has main.py: rename them"]);
+}
+
+#[test]
+fn what_is_left_out_of_an_archive_ends_somewhere() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let path = classroom.path("clutter.tar");
+    let mut header = Header::new_gnu();
+    header.set_path(".cache/big").unwrap();
+    header.set_size(10 << 30);
+    header.set_cksum();
+    let mut file = File::create(&path).unwrap();
+    file.write_all(header.as_bytes()).unwrap();
+    // A hole, which takes no space.
+    file.set_len(300 << 20).unwrap();
+    let report = classroom.grade(&path, &[]);
+    report.expect("RE", &["with what is left out it unpacks to more than 256 MiB"]);
+
+    let mut builder = Builder::new(File::create(&path).unwrap());
+    for _ in 0..10_001 {
+        append(&mut builder, EntryType::Directory, "folder/", b"");
+    }
+    builder.finish().unwrap();
+    classroom.grade(&path, &[]).expect("RE", &["it holds more than 10000 entries"]);
+}
+
 #[test]
 fn other_files_are_told_what_is_wanted() {
     let Some(classroom) = Classroom::without_python() else { return };
