@@ -82,6 +82,27 @@ fn a_wrong_answer_is_a_bad_result() {
 }
 
 #[test]
+fn a_folder_in_a_files_place_costs_one_pair() {
+    let folder = tempfile::tempdir().unwrap();
+    npy::write(folder.path().join("answer.npy"), &Plane::filled(SIZE.0, SIZE.1, 5f32)).unwrap();
+    let at = folder.path().display();
+    for name in ["disparity", "reasons", "left"] {
+        let script = format!(
+            "{LOOP}; if [ ! -e {at}/{name} ]; then
+             touch {at}/{name}; rm -f {name}.npy; mkdir -p {name}.npy/below; touch {name}.npy/x
+             fi; [ -d disparity.npy ] || cp {at}/answer.npy disparity.npy; {DONE}"
+        );
+        let mut worker = worker(scripted(folder.path(), "protocol", &script));
+        let first = ask(&mut worker, 0).status;
+        assert_eq!(first == Status::Done, name == "left", "{first}");
+        for _ in 0..2 {
+            assert_eq!(ask(&mut worker, 0).status, Status::Done, "{name}");
+        }
+        worker.end();
+    }
+}
+
+#[test]
 fn what_an_engine_says_of_its_time_is_kept_unless_it_is_nonsense() {
     let folder = tempfile::tempdir().unwrap();
     npy::write(folder.path().join("answer.npy"), &Plane::filled(SIZE.0, SIZE.1, 5f32)).unwrap();

@@ -40,7 +40,7 @@ pub struct Answer {
     pub confidence: Option<Plane<f32>>,
 }
 
-/// Writes the images into `scratch`, removes what is left of earlier answers, and says what to do.
+/// Writes the images into `scratch`, removes what is left of earlier jobs, and says what to do.
 pub fn write_job(
     scratch: &Path,
     number: u64,
@@ -62,20 +62,23 @@ pub fn write_job(
         reasons: place("reasons.npy"),
         confidence: place("confidence.npy"),
     };
-    for answer in [&job.disparity, &job.reasons, &job.confidence] {
-        remove(answer)?;
+    for file in [&job.left, &job.right, &job.disparity, &job.reasons, &job.confidence] {
+        remove(file)?;
     }
     write_image(&job.left, pair.left)?;
     write_image(&job.right, pair.right)?;
     Ok(job)
 }
 
-/// Removes a file; that there is none is fine.
+/// Removes what an earlier job left at this place, a folder with all that is in it as well: one in
+/// an answer's place would keep the engine from every further job. That there is nothing is fine.
 fn remove(path: &Path) -> Result<(), FormatError> {
-    match fs::remove_file(path) {
+    let is_folder = fs::symlink_metadata(path).is_ok_and(|found| found.is_dir());
+    let removed = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    match removed {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FormatError::Write {
             path: path.to_owned(),
-            problem: format!("what is left of an earlier answer cannot be removed: {error}"),
+            problem: format!("what is left of an earlier job cannot be removed: {error}"),
             source: Some(error),
         }),
         _ => Ok(()),
