@@ -86,6 +86,7 @@ impl Bench<'_> {
         let broken = |message: String| Failure::new(Outcome::Xx, message);
         match entrant {
             Entrant::Refused(message) => Err(Failure::new(Outcome::Re, message)),
+            Entrant::NotTaken(message) => Err(broken(message.clone())),
             Entrant::Submission(submission) => {
                 let runner = self.runner.map_err(|why| broken(why.to_owned()))?;
                 submission.copy_to(&place.home()).map_err(|error| broken(error.to_string()))?;

@@ -12,6 +12,8 @@ pub enum Entrant {
     Submission(Submission),
     /// A submission that could not be taken, and why: every test fails with this message.
     Refused(String),
+    /// A submission that the grader failed to take, and why: every test ends as its fault.
+    NotTaken(String),
     /// An engine for each part.
     Engines(BTreeMap<Part, Definition>),
 }

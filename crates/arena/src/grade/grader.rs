@@ -178,7 +178,7 @@ fn inspect(bench: &Bench<'_>, entrant: &Entrant) -> Inspection {
             inspection.findings.splice(0..0, missing);
             inspection
         }
-        Entrant::Refused(_) | Entrant::Engines(_) => Inspection::default(),
+        Entrant::Refused(_) | Entrant::NotTaken(_) | Entrant::Engines(_) => Inspection::default(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Tar archives, plain or compressed by gzip, unpacked without trusting a single entry.
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::{Component, Path, PathBuf};
@@ -14,12 +15,6 @@ use super::error::SubmissionError;
 /// Entries of an archive, folders and what is left out among them.
 const MAX_ENTRIES: usize = 10_000;
 
-/// Bytes of a name, as file systems have it.
-const LONGEST_NAME: usize = 255;
-
-/// Bytes of a name with its folders: a quarter of what Linux takes, whose paths begin elsewhere.
-const LONGEST_PATH: usize = 1024;
-
 /// Unpacks the archive at `path` into the empty folder `staging`.
 pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError> {
     let failed = |source| SubmissionError::Read { path: path.to_owned(), source };
@@ -27,9 +22,11 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
     let mut first = Vec::new();
     file.by_ref().take(512).read_to_end(&mut first).map_err(failed)?;
     file.rewind().map_err(failed)?;
+    let disk_failed = Cell::new(false);
+    let file = BufReader::new(OnDisk { file, failed: &disk_failed });
     let reader: Box<dyn Read> = match first[..] {
-        [0x1f, 0x8b, ..] => Box::new(MultiGzDecoder::new(BufReader::new(file))),
-        _ if is_tar(&first) => Box::new(BufReader::new(file)),
+        [0x1f, 0x8b, ..] => Box::new(MultiGzDecoder::new(file)),
+        _ if is_tar(&first) => Box::new(file),
         _ => {
             let found = describe(&first);
             return Err(SubmissionError::WrongKind { path: path.to_owned(), found });
@@ -38,6 +35,7 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
     let budget = Budget::new();
     let unreadable = |error: io::Error| match budget.excess() {
         Some(problem) => SubmissionError::TooLarge { path: path.to_owned(), problem },
+        None if disk_failed.get() => failed(error),
         None => SubmissionError::Damaged { path: path.to_owned(), problem: error.to_string() },
     };
     let mut intake = Intake::new(path);
@@ -73,7 +71,8 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
             continue;
         }
         let target = staging.join(&relative);
-        if relative.as_os_str().is_empty() || target.is_dir() {
+        let is_below_a_file = relative.ancestors().skip(1).any(|a| staging.join(a).is_file());
+        if relative.as_os_str().is_empty() || target.is_dir() || is_below_a_file {
             return Err(intake.refuse(&name, "is a file and a folder at once: pack it again"));
         }
         intake.take(entry, &target, &unreadable)?;
@@ -81,21 +80,27 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
     Ok(())
 }
 
+/// The file of an archive. It remembers when the system fails to read it: then the archive is not
+/// damaged, whatever the layers above make of the error.
+struct OnDisk<'a> {
+    file: File,
+    failed: &'a Cell<bool>,
+}
+
+impl Read for OnDisk<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(buffer);
+        let interrupted = |error: &io::Error| error.kind() == io::ErrorKind::Interrupted;
+        self.failed.set(read.as_ref().is_err_and(|error| !interrupted(error)));
+        read
+    }
+}
+
 /// The entry's path below the folder that it is unpacked into.
 fn checked(intake: &Intake<'_>, name: &Path) -> Result<PathBuf, SubmissionError> {
     let mut relative = PathBuf::new();
-    let bytes = name.as_os_str().as_encoded_bytes();
-    let longest = name.components().map(|part| part.as_os_str().len()).max().unwrap_or(0);
-    if bytes.len() > LONGEST_PATH || longest > LONGEST_NAME {
-        return Err(intake.refuse(
-            name,
-            format!(
-                "has too long a name: at most {LONGEST_NAME} bytes each, {LONGEST_PATH} with all \
-                 folders; rename it"
-            ),
-        ));
-    }
-    if bytes.contains(&0) {
+    intake.check_length(name)?;
+    if name.as_os_str().as_encoded_bytes().contains(&0) {
         return Err(intake.refuse(name, "has a name with a NUL byte in it: rename it"));
     }
     for part in name.components() {

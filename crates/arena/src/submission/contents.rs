@@ -1,7 +1,7 @@
 //! Names and sizes: what is copied, what is refused, which files are missing.
 
 use std::fs;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::SubmissionError;
@@ -11,6 +11,12 @@ use super::finding::Finding;
 const MAX_FILES: usize = 1000;
 /// What a submission may hold, in bytes.
 const MAX_BYTES: u64 = 64 << 20;
+
+/// Bytes of a name, as file systems have it.
+const LONGEST_NAME: usize = 255;
+
+/// Bytes of a name with its folders: a quarter of what Linux takes, whose paths begin elsewhere.
+const LONGEST_PATH: usize = 1024;
 
 /// Characters of an entry's name that messages show.
 const LONGEST_SHOWN: usize = 120;
@@ -38,6 +44,21 @@ impl<'a> Intake<'a> {
         }
     }
 
+    /// Errors when a path is longer than what the grader can write.
+    pub fn check_length(&self, name: &Path) -> Result<(), SubmissionError> {
+        let longest = name.components().map(|part| part.as_os_str().len()).max().unwrap_or(0);
+        if name.as_os_str().len() <= LONGEST_PATH && longest <= LONGEST_NAME {
+            return Ok(());
+        }
+        Err(self.refuse(
+            name,
+            format!(
+                "has too long a name: at most {LONGEST_NAME} bytes each, {LONGEST_PATH} with all \
+                 folders; rename it"
+            ),
+        ))
+    }
+
     /// Takes one file: copies `reader`, whatever size was claimed for it, to `target`. `unreadable`
     /// tells what it means when `reader` fails.
     pub fn take(
@@ -60,8 +81,7 @@ impl<'a> Intake<'a> {
         }
         let mut file = fs::File::create(target).map_err(failed)?;
         let left = MAX_BYTES - self.bytes;
-        let copied =
-            io::copy(&mut reader.by_ref().take(left + 1), &mut file).map_err(unreadable)?;
+        let copied = copy(reader.by_ref().take(left + 1), &mut file, unreadable, &failed)?;
         if copied > left {
             return Err(too_large(format!(
                 "it holds more than {} MiB; hand in the Python files alone",
@@ -70,6 +90,28 @@ impl<'a> Intake<'a> {
         }
         self.bytes += copied;
         Ok(())
+    }
+}
+
+/// As [`io::copy`], but it tells reading from writing: the one may be the entrant's fault, the other
+/// never is.
+fn copy(
+    mut reader: impl Read,
+    writer: &mut impl Write,
+    unreadable: &dyn Fn(io::Error) -> SubmissionError,
+    unwritable: &dyn Fn(io::Error) -> SubmissionError,
+) -> Result<u64, SubmissionError> {
+    let mut buffer = vec![0; 64 << 10];
+    let mut copied = 0;
+    loop {
+        let read = match reader.read(&mut buffer) {
+            Ok(0) => return Ok(copied),
+            Ok(read) => read,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(unreadable(error)),
+        };
+        writer.write_all(&buffer[..read]).map_err(unwritable)?;
+        copied += read as u64;
     }
 }
 
@@ -103,6 +145,7 @@ pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError>
             if is_clutter(&entry.file_name().to_string_lossy()) {
                 continue;
             }
+            intake.check_length(&relative)?;
             let kind = entry.file_type().map_err(failed)?;
             if kind.is_dir() {
                 folders.push(relative);

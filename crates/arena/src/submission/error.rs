@@ -72,3 +72,17 @@ pub enum SubmissionError {
     #[error("{0}")]
     Python(String),
 }
+
+impl SubmissionError {
+    /// Whether the submission is what is wrong, and not the grader's disk, Python or rights.
+    pub fn is_entrants_fault(&self) -> bool {
+        match self {
+            Self::WrongKind { .. }
+            | Self::Damaged { .. }
+            | Self::Entry { .. }
+            | Self::TooLarge { .. }
+            | Self::NoModules { .. } => true,
+            Self::Read { .. } | Self::Write { .. } | Self::Python(_) => false,
+        }
+    }
+}

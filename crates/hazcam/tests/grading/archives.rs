@@ -62,7 +62,10 @@ fn what_leads_out_of_an_archive_is_refused() {
         (vec![("d", EntryType::Symlink, "/tmp", b""), ("d/x.py", file, "", b"x")], "is a link"),
         (vec![(fast, EntryType::Char, "", b"")], "is no ordinary file"),
         (vec![(fast, EntryType::Fifo, "", b"")], "is no ordinary file"),
-        (vec![("a.py", file, "", b"x"), ("a.py/b.py", file, "", b"x")], "cannot write"),
+        (
+            vec![("a.py", file, "", b"x"), ("a.py/b.py", file, "", b"x")],
+            "a file and a folder at once",
+        ),
         (vec![("main.py", file, "", b"x")], "it has main.py: rename them"),
         (vec![], "holds none of"),
     ] {

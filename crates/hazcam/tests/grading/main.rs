@@ -7,6 +7,7 @@ mod browser;
 mod classroom;
 mod engines;
 mod entrants;
+mod faults;
 mod help;
 mod hostile;
 mod messages;

@@ -56,7 +56,7 @@ impl EntrantArguments {
     }
 
     /// The entrant with its name for the report. A submission that cannot be taken is an entrant
-    /// without a point, not an error: its results must come out.
+    /// without a point, not an error: its results must come out, and say whose fault it is.
     pub fn open(&self, workshop: &Workshop) -> anyhow::Result<(String, Entrant)> {
         match (&self.submission, &self.matcher) {
             (Some(path), _) => {
@@ -66,7 +66,8 @@ impl EntrantArguments {
                 }
                 let entrant = match Submission::open(path, &workshop.staging()) {
                     Ok(submission) => Entrant::Submission(submission),
-                    Err(error) => Entrant::Refused(error.to_string()),
+                    Err(error) if error.is_entrants_fault() => Entrant::Refused(error.to_string()),
+                    Err(error) => Entrant::NotTaken(error.to_string()),
                 };
                 Ok((name, entrant))
             }
