@@ -98,7 +98,8 @@ impl Holdout {
             .source
             .load(&self.test.scene, Path::new(""), render)
             .map_err(|problem| BoardError::Holdout(format!("cannot be used: {problem}")))?;
-        scene.truth_file.get_or_insert_with(|| board.to_owned());
+        // It holds the seed or, as pictures, the truth.
+        scene.secrets.push(board.to_owned());
         Ok(scene)
     }
 
@@ -198,7 +199,7 @@ mod tests {
             bounds: None,
         };
         let scene = holdout.load(board, &render).unwrap();
-        assert_eq!(scene.truth_file.as_deref(), Some(board));
+        assert_eq!(scene.secrets, [board]);
         let print = holdout.fingerprint(&scene);
         assert_eq!(print.len(), 64);
         let mut renamed = holdout.clone();

@@ -141,7 +141,7 @@ mod tests {
             truth: Plane::new(4, 2, vec![1.0, 2.0, f32::NAN, 9.0, 3.0, 0.0, 4.0, 9.0]).unwrap(),
             non_occluded: None,
             bounds: BoundingBox::new(0, 0, 2, 1).unwrap(),
-            truth_file: None,
+            secrets: Vec::new(),
         }
     }
 

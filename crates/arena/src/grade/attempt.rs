@@ -45,6 +45,8 @@ pub(super) struct Bench<'a> {
     pub programs: &'a Programs,
     /// Runs submissions; in words, why there is none.
     pub runner: Result<&'a Runner, &'a str>,
+    /// Files out of reach besides those of each scene.
+    pub secrets: &'a [PathBuf],
 }
 
 impl Bench<'_> {
@@ -123,7 +125,7 @@ impl Bench<'_> {
         Ok(readable)
     }
 
-    /// Errors when a confined program could read the truth.
+    /// Errors when a confined program could read what must stay secret.
     fn check_reach(
         &self,
         readable: &[PathBuf],
@@ -131,18 +133,21 @@ impl Bench<'_> {
         cpu: Duration,
         scene: &Scene,
     ) -> Result<(), String> {
-        let (Some(_), Some(truth)) = (&self.confinement.helper, &scene.truth_file) else {
+        if self.confinement.helper.is_none() {
             return Ok(());
-        };
-        match self.confinement.policy(readable, place, cpu).within_reach(truth) {
-            None => Ok(()),
-            Some(within) => Err(format!(
-                "the truth {} lies within {}, which entrants can read: keep data in a folder of \
-                 its own",
-                truth.display(),
-                within.display()
-            )),
         }
+        let policy = self.confinement.policy(readable, place, cpu);
+        for secret in scene.secrets.iter().chain(self.secrets) {
+            if let Some(within) = policy.within_reach(secret) {
+                return Err(format!(
+                    "{}, which tells the truth, lies within {}, which entrants can read: keep data \
+                     and boards in folders of their own",
+                    secret.display(),
+                    within.display()
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn run_protocol(

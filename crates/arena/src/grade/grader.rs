@@ -1,5 +1,7 @@
 //! Runs every test of a scheme for one entrant, whatever happens.
 
+use std::path::PathBuf;
+
 use raster::{BoundingBox, Plane};
 
 use super::attempt::{Attempt, Bench};
@@ -39,6 +41,8 @@ pub struct Grader<'a> {
     pub runner: Result<Runner, String>,
     /// Whether every test is run twice, to see whether both answers agree.
     pub twice: bool,
+    /// Files that must be out of every entrant's reach, besides those of the scenes.
+    pub secrets: Vec<PathBuf>,
 }
 
 impl Grader<'_> {
@@ -91,6 +95,7 @@ impl Grader<'_> {
             confinement: &self.confinement,
             programs: &self.programs,
             runner: self.runner.as_ref().map_err(String::as_str),
+            secrets: &self.secrets,
         }
     }
 

@@ -25,8 +25,8 @@ pub struct Scene {
     pub non_occluded: Option<Plane<bool>>,
     /// The pixels that are asked for and scored.
     pub bounds: BoundingBox,
-    /// The file that holds the truth, if it is a file: it must be out of every entrant's reach.
-    pub truth_file: Option<PathBuf>,
+    /// Files that hold the truth or a part of it: they must be out of every entrant's reach.
+    pub secrets: Vec<PathBuf>,
 }
 
 /// The scenes of a scheme by id; for one that cannot be used, why.
@@ -39,16 +39,16 @@ pub type Render<'a> =
 impl Scene {
     /// Loads a case; errors, in words, when it has no truth or its files cannot be used.
     pub fn load(case: &Case) -> Result<Self, String> {
-        let truth_file = case.files().and_then(|f| f.truth.as_ref()).map(|t| t.path.clone());
-        Self::from_data(&case.id, case.load().map_err(|error| error.to_string())?, truth_file)
+        let secrets = case.files().map(secrets).unwrap_or_default();
+        Self::from_data(&case.id, case.load().map_err(|error| error.to_string())?, secrets)
     }
 
-    fn from_data(id: &str, data: CaseData, truth_file: Option<PathBuf>) -> Result<Self, String> {
+    fn from_data(id: &str, data: CaseData, secrets: Vec<PathBuf>) -> Result<Self, String> {
         let truth = data.truth.ok_or_else(|| "it has no truth to score against".to_owned())?;
         let non_occluded =
             data.regions.into_iter().find(|region| region.name == "non-occluded").map(|r| r.mask);
         let (left, right, bounds) = (data.left, data.right, data.bounds);
-        Ok(Self { id: id.to_owned(), left, right, truth, non_occluded, bounds, truth_file })
+        Ok(Self { id: id.to_owned(), left, right, truth, non_occluded, bounds, secrets })
     }
 
     /// The same scene, asked for and scored within this box only.
@@ -63,6 +63,14 @@ impl Scene {
         self.bounds.check_within(columns, rows).map_err(|error| error.to_string())?;
         Ok(self)
     }
+}
+
+/// What tells the truth of these files: that of the right view is the left one's, warped, and that
+/// of pixels that both cameras see is most of it.
+fn secrets(files: &Files) -> Vec<PathBuf> {
+    let truths = [&files.truth, &files.truth_right, &files.truth_noc];
+    let truths = truths.into_iter().flatten().map(|file| &file.path);
+    truths.chain(&files.mask_nocc).cloned().collect()
 }
 
 impl SceneSource {
@@ -84,7 +92,7 @@ impl SceneSource {
             }
             Self::Rendered { kind, seed, columns, rows, bounds } => {
                 let data = render(kind, *seed, *columns, *rows)?;
-                Scene::from_data(id, data, None)?.within(bounds.as_deref())
+                Scene::from_data(id, data, Vec::new())?.within(bounds.as_deref())
             }
         }
     }
@@ -112,4 +120,26 @@ pub fn load_scenes(
         scenes.insert(id.clone(), scene.map_err(|problem| format!("scene {id}: {problem}")));
     }
     scenes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_that_tells_the_truth_is_a_secret() {
+        let truth = |name: &str| Some(TruthFile { path: name.into(), encoding: Encoding::Auto });
+        let files = Files {
+            left: "left.png".into(),
+            right: "right.png".into(),
+            truth: truth("truth.pfm"),
+            truth_right: truth("truth-right.pfm"),
+            truth_noc: truth("noc.png"),
+            mask_nocc: Some("mask.png".into()),
+            bounds: Some("box.npy".into()),
+            calibration: Some("calib.txt".into()),
+        };
+        let names = ["truth.pfm", "truth-right.pfm", "noc.png", "mask.png"].map(PathBuf::from);
+        assert_eq!(secrets(&files), names);
+    }
 }

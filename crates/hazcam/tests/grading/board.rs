@@ -164,23 +164,29 @@ fn all_rank_on_one_holdout() {
     assert!(stderr.contains("ranks on another hold-out"), "{stderr}");
 }
 
-#[test]
-fn a_pair_on_disk_is_a_holdout_while_its_files_stay() {
-    let Some(course) = Course::new() else { return };
-    let picture = |name: &str, shift: usize| {
-        let texture = |x: usize, y: usize| ((x * 7919 + y * 104_729) % 251) as u8;
-        let plane = raster::Plane::from_fn(90, 60, |x, y| texture(x + shift, y));
-        formats::write_image(course.0.path(name), &raster::Image::Grey8(plane)).unwrap();
-    };
-    picture("l.png", 0);
-    picture("r.png", 4);
+/// Puts a pair on disk, in which everything is 4 pixels away, and makes it the hold-out.
+fn with_pair_on_disk(course: &Course) {
+    picture(course, "l.png", 0);
+    picture(course, "r.png", 4);
     let truth = raster::Plane::filled(90, 60, 4.0f32);
     formats::write_disparity(course.0.path("t.pfm"), &truth).unwrap();
     let at = HOLDOUT.find("[scene.ground]").unwrap();
     let files = "[scene.ground]\nleft = 'l.png'\nright = 'r.png'\ntruth = 't.pfm'\n";
     fs::write(course.0.path("holdout.toml"), format!("{}{files}", &HOLDOUT[..at])).unwrap();
+}
+
+fn picture(course: &Course, name: &str, shift: usize) {
+    let texture = |x: usize, y: usize| ((x * 7919 + y * 104_729) % 251) as u8;
+    let plane = raster::Plane::from_fn(90, 60, |x, y| texture(x + shift, y));
+    formats::write_image(course.0.path(name), &raster::Image::Grey8(plane)).unwrap();
+}
+
+#[test]
+fn a_pair_on_disk_is_a_holdout_while_its_files_stay() {
+    let Some(course) = Course::new() else { return };
+    with_pair_on_disk(&course);
     course.done(&with(&["--matcher", "fast"]));
-    picture("l.png", 1);
+    picture(&course, "l.png", 1);
     let (status, _, stderr) = course.run(&["add", "--scheme", "small.toml", "--matcher", "fast"]);
     assert_eq!(status, 2);
     assert!(stderr.contains("its files were changed since"), "{stderr}");
@@ -206,8 +212,32 @@ fn the_secret_is_out_of_every_entrants_reach() {
         "engines/board.sqlite",
     ]));
     assert_eq!(status, 2);
-    assert!(stdout.contains("engines/board.sqlite lies within"), "{stdout}");
+    assert!(stdout.contains("engines/board.sqlite, which tells the truth"), "{stdout}");
     assert!(stderr.contains("not entered, because the grader failed"), "{stderr}");
+    // Nor do the tests before the hold-out's run it.
+    assert_eq!(stdout.matches("  XX ").count(), 2, "{stdout}");
+}
+
+#[test]
+fn the_board_is_out_of_reach_when_the_holdout_is_files() {
+    let Some(course) = Course::new() else { return };
+    with_pair_on_disk(&course);
+    let folder = course.0.path("engines");
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("mine.toml"), "name = 'mine'\ncommand = ['/bin/true']\n").unwrap();
+    let mine = ["--matcher", "fast:mine", "--engines", "engines"];
+    let add = |board: &'static str| course.run(&with(&[&mine[..], &["--board", board]].concat()));
+    let (status, stdout, _) = add("engines/board.sqlite");
+    assert_eq!(status, 2);
+    assert!(stdout.contains("engines/board.sqlite, which tells the truth"), "{stdout}");
+    // Nor may the hold-out's file, which can name a seed, lie there.
+    fs::create_dir(folder.join("below")).unwrap();
+    fs::write(folder.join("below/holdout.toml"), HOLDOUT).unwrap();
+    let given = ["add", "--scheme", "small.toml", "--holdout", "engines/below/holdout.toml"];
+    let (status, stdout, _) =
+        course.run(&[&given[..], &mine, &["--board", "other.sqlite"]].concat());
+    assert_eq!(status, 2);
+    assert!(stdout.contains("engines/below/holdout.toml, which tells the truth"), "{stdout}");
 }
 
 #[test]

@@ -60,7 +60,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref())?;
-    let grader = workshop.grader()?;
+    let mut grader = workshop.grader()?;
+    // The scheme's tests must not tell what the hold-out is either.
+    grader.secrets = scene.secrets.clone();
     args.grading.warn_if_unconfined(ui);
     ui.print(&text::header(&grader, &name))?;
     let mut shown = Ok(());
@@ -129,7 +131,9 @@ fn open(path: &Path, given: Option<&Path>) -> anyhow::Result<(Board, Holdout, Sc
         (None, Some(board)) => board.holdout()?.0,
         (None, None) => Holdout::secret()?,
     };
-    let scene = holdout.load(path, &scenes::render)?;
+    let mut scene = holdout.load(path, &scenes::render)?;
+    // It may name the seed.
+    scene.secrets.extend(given.map(Path::to_owned));
     let fingerprint = holdout.fingerprint(&scene);
     let board = match begun {
         Some(board) => board,

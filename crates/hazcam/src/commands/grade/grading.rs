@@ -154,6 +154,7 @@ impl Workshop {
             programs: self.programs.clone(),
             runner,
             twice: self.twice,
+            secrets: Vec::new(),
         })
     }
 }
