@@ -241,6 +241,37 @@ fn the_board_is_out_of_reach_when_the_holdout_is_files() {
 }
 
 #[test]
+fn a_name_that_a_test_has_already_is_refused_before_the_work() {
+    let Some(course) = Course::new() else { return };
+    let same = HOLDOUT.replacen(
+        "name = \"Hold-out\"\n\n[[test]]\nname = \"Hold-out\"",
+        "name = \"x\"\n\n[[test]]\nname = \"Part 1, wall\"",
+        1,
+    );
+    fs::write(course.0.path("holdout.toml"), same).unwrap();
+    let (status, stdout, stderr) = course.run(&with(&["--matcher", "fast"]));
+    assert_eq!((status, stdout.as_str()), (2, ""));
+    assert!(
+        stderr.contains(
+            "the hold-out is called `Part 1, wall`, and so is a test of the scheme `Small`: give \
+             that test another name, or the hold-out"
+        ),
+        "{stderr}"
+    );
+    assert!(!course.0.path("board.sqlite").exists(), "mistakes begin no board");
+    // A board that is begun keeps its name; a scheme that comes later must not take it.
+    fs::write(course.0.path("holdout.toml"), HOLDOUT).unwrap();
+    course.done(&with(&["--matcher", "fast"]));
+    let scheme = fs::read_to_string(course.0.path("small.toml")).unwrap();
+    let scheme = scheme.replace("Part 1, wall", "Hold-out");
+    fs::write(course.0.path("small.toml"), scheme).unwrap();
+    let (status, stdout, stderr) =
+        course.run(&["add", "--scheme", "small.toml", "--matcher", "fast"]);
+    assert_eq!((status, stdout.as_str()), (2, ""));
+    assert!(stderr.ends_with("give that test another name\n"), "{stderr}");
+}
+
+#[test]
 fn many_at_once_are_all_entered() {
     let Some(course) = Course::new() else { return };
     let children: Vec<_> = (0..5)

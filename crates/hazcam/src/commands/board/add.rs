@@ -8,7 +8,7 @@ use arena::board::{
     Added, Board, BoardError, Entry, Holdout, Picture, SceneTruth, is_owner, standings,
 };
 use arena::grade::output::text;
-use arena::grade::{Event, Outcome, Scene};
+use arena::grade::{Event, Outcome, Scene, Scheme};
 use arena::record::Machine;
 use arena::submission::is_secret_id;
 
@@ -59,7 +59,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let workshop = Workshop::open(&args.grading)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
-    let (mut board, holdout, scene) = open(path, args.holdout.as_deref())?;
+    let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
     let mut grader = workshop.grader()?;
     // The scheme's tests must not tell what the hold-out is either.
     grader.secrets = scene.secrets.clone();
@@ -122,7 +122,11 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 }
 
 /// The board, begun if there is none, with its hold-out as it was when the board was begun.
-fn open(path: &Path, given: Option<&Path>) -> anyhow::Result<(Board, Holdout, Scene)> {
+fn open(
+    path: &Path,
+    given: Option<&Path>,
+    scheme: &Scheme,
+) -> anyhow::Result<(Board, Holdout, Scene)> {
     let path = &std::path::absolute(path)?;
     let is_begun = path.metadata().is_ok_and(|found| found.len() > 0);
     let begun = is_begun.then(|| Board::open(path)).transpose()?;
@@ -131,6 +135,16 @@ fn open(path: &Path, given: Option<&Path>) -> anyhow::Result<(Board, Holdout, Sc
         (None, Some(board)) => board.holdout()?.0,
         (None, None) => Holdout::secret()?,
     };
+    let name = &holdout.test.name;
+    if scheme.tests.iter().any(|test| test.name == *name) {
+        // An entry keeps one picture for each name.
+        bail!(
+            "the hold-out is called `{name}`, and so is a test of the scheme `{}`: give that test \
+             another name{}",
+            scheme.name,
+            if begun.is_some() { "" } else { ", or the hold-out" },
+        );
+    }
     let mut scene = holdout.load(path, &scenes::render)?;
     // It may name the seed.
     scene.secrets.extend(given.map(Path::to_owned));
@@ -144,7 +158,7 @@ fn open(path: &Path, given: Option<&Path>) -> anyhow::Result<(Board, Holdout, Sc
     }
     if !is_begun {
         // Somebody else began it in the meantime.
-        return open(path, given);
+        return open(path, given, scheme);
     }
     bail!(
         "the board {} ranks on another hold-out{}: entries on different ones cannot be compared; \

@@ -132,6 +132,11 @@ impl Workshop {
         self.folder.path().join("submission")
     }
 
+    /// By what is graded.
+    pub fn scheme(&self) -> &Scheme {
+        &self.scheme
+    }
+
     /// The scheme's tests by name with their scenes, those that could be loaded.
     pub fn scenes_of_tests(&self) -> Vec<(String, &Scene)> {
         let loaded = |test: &Test| {
