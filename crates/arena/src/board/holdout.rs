@@ -88,7 +88,14 @@ impl Holdout {
         })?;
         let folder = std::path::absolute(path).map_err(|error| wrong(error.to_string()))?;
         let folder = folder.parent().unwrap_or(Path::new("/"));
-        Ok(Self { test: test.clone(), source: source.within(folder) })
+        let source = source.within(folder);
+        if matches!(source, SceneSource::Files { .. }) && folder.to_str().is_none() {
+            return Err(wrong(format!(
+                "a board cannot remember files in {}, whose name is not UTF-8: rename that folder",
+                folder.display()
+            )));
+        }
+        Ok(Self { test: test.clone(), source })
     }
 
     /// Loads or renders the scene. `board` is the file that holds the secret: entrants must not

@@ -56,10 +56,12 @@ impl Board {
         holdout: &Holdout,
         fingerprint: &str,
     ) -> Result<Self, BoardError> {
+        let text = serde_json::to_string(holdout)
+            .map_err(|error| BoardError::Holdout(format!("cannot be kept on a board: {error}")))?;
         create_private(path)
             .map_err(|source| BoardError::Create { path: path.to_owned(), source })?;
         let mut board = Self::connect(path)?;
-        board.check(Some((holdout, fingerprint)))?;
+        board.check(Some((&text, fingerprint)))?;
         Ok(board)
     }
 
@@ -74,8 +76,8 @@ impl Board {
     }
 
     /// Errors unless the file is a board of this version. An empty one is begun with this hold-out
-    /// and its fingerprint, if they are given.
-    fn check(&mut self, beginning: Option<(&Holdout, &str)>) -> Result<(), BoardError> {
+    /// in JSON and its fingerprint, if they are given.
+    fn check(&mut self, beginning: Option<(&str, &str)>) -> Result<(), BoardError> {
         let path = self.path.clone();
         let foreign =
             |problem: &str| BoardError::Foreign { path: path.clone(), problem: problem.to_owned() };
@@ -247,13 +249,8 @@ impl Board {
     }
 }
 
-/// Makes an empty database a board that ranks on this hold-out.
-fn begin(
-    transaction: &Transaction<'_>,
-    holdout: &Holdout,
-    fingerprint: &str,
-) -> rusqlite::Result<()> {
-    let holdout = serde_json::to_string(holdout).expect("a hold-out is plain data");
+/// Makes an empty database a board that ranks on this hold-out, which is text in JSON.
+fn begin(transaction: &Transaction<'_>, holdout: &str, fingerprint: &str) -> rusqlite::Result<()> {
     schema::create(transaction)?;
     transaction.execute(
         "INSERT INTO board (one, holdout, fingerprint) VALUES (1, ?, ?)",

@@ -186,8 +186,11 @@ impl Bench<'_> {
         pair: &Pair<'_>,
         scene: &Scene,
     ) -> Attempt {
+        let command = match self.confinement.prepare(command, readable, place, cpu) {
+            Ok(command) => command,
+            Err(status) => return Attempt::broken(status.message().unwrap_or_default()),
+        };
         let watch = self.confinement.watch(place);
-        let command = self.confinement.prepare(command, readable, place, cpu);
         let limits = self.confinement.limits(cpu);
         let finished = engine::robust_vision::run(command, &place.home(), pair, limits);
         let ended = Ended {

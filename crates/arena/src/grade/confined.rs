@@ -127,6 +127,13 @@ pub(super) struct Ended {
     pub excess: Option<Excess>,
 }
 
+impl Ended {
+    fn before_any_start(status: Status) -> Self {
+        let (usage, startup) = (Usage::default(), Usage::default());
+        Self { status, usage, startup, log: String::new(), excess: None }
+    }
+}
+
 impl Confinement {
     /// Starts `command`, which may read `readable` besides its own folders and the system's.
     pub(super) fn start(
@@ -136,17 +143,17 @@ impl Confinement {
         place: &Workplace,
         cpu: Duration,
     ) -> Result<Confined, Box<Ended>> {
+        let command = match self.prepare(command, readable, place, cpu) {
+            Ok(command) => command,
+            Err(status) => return Err(Box::new(Ended::before_any_start(status))),
+        };
         let watch = self.watch(place);
-        let command = self.prepare(command, readable, place, cpu);
         match Session::start(command, &place.home(), self.limits(cpu)) {
             Ok(session) => Ok(Confined { session, watch }),
-            Err(status) => Err(Box::new(Ended {
-                status,
-                usage: Usage::default(),
-                startup: Usage::default(),
-                log: String::new(),
-                excess: watch.stop(),
-            })),
+            Err(status) => {
+                let excess = watch.stop();
+                Err(Box::new(Ended { excess, ..Ended::before_any_start(status) }))
+            }
         }
     }
 
@@ -162,11 +169,12 @@ impl Confinement {
         readable: &[PathBuf],
         place: &Workplace,
         cpu: Duration,
-    ) -> Command {
+    ) -> Result<Command, Status> {
         let command = with_environment(command, &place.home());
         match &self.helper {
-            Some(helper) => sandbox::confine(&command, &self.policy(readable, place, cpu), helper),
-            None => command,
+            Some(helper) => sandbox::confine(&command, &self.policy(readable, place, cpu), helper)
+                .map_err(|error| Status::not_started(&command, &error)),
+            None => Ok(command),
         }
     }
 

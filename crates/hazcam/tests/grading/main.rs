@@ -14,3 +14,4 @@ mod messages;
 mod missing_parts;
 mod outputs;
 mod page;
+mod paths;

@@ -90,6 +90,15 @@ impl Workshop {
                 missing.join(" and ")
             );
         }
+        let temporary = std::env::temp_dir();
+        if temporary.to_str().is_none() {
+            // Neither the sandbox nor an engine could be told where to work.
+            bail!(
+                "the folder for temporary files {} has a name that is not UTF-8: let TMPDIR name \
+                 another",
+                temporary.display()
+            );
+        }
         let scheme = args.read_scheme()?;
         let mut programs = Programs::find(this.clone());
         if let Some(python) = &args.python {
