@@ -54,6 +54,10 @@ def NAME(Il, Ir, bbox, maxd):
     return Id
 ";
 
+/// Part 1 alone, with little memory and disk.
+const LIMITED: [&str; 6] =
+    ["--scheme", "part1.toml", "--memory-limit", "512", "--disk-limit", "32"];
+
 /// The folder. `TMPDIR` points into it, so that what grading leaves behind can be seen.
 pub struct Classroom {
     folder: TempDir,
@@ -61,6 +65,12 @@ pub struct Classroom {
 }
 
 impl Classroom {
+    /// With any Python 3 and, where it can be had, the sandbox.
+    pub fn with_plain_python() -> Option<Self> {
+        let python = python_with("json")?;
+        Some(Self { python: Some(python), ..Self::without_python()? })
+    }
+
     /// With Python and numpy and, where it can be had, the sandbox; `None`, after one line on
     /// stderr, where something is missing.
     pub fn with_python() -> Option<Self> {
@@ -144,8 +154,20 @@ impl Classroom {
     /// Grades part 1 alone, with this source, under the small scheme's limits and half a gigabyte of memory.
     pub fn grade_source(&self, source: &str) -> Report {
         let submission = self.submission("submission", source);
-        let arguments = ["--scheme", "part1.toml", "--memory-limit", "512", "--disk-limit", "32"];
-        self.grade(&submission, &arguments)
+        self.grade(&submission, &LIMITED)
+    }
+
+    /// Grades part 1 alone, answered by this program in plain Python, under the same limits.
+    pub fn grade_program(&self, source: &str) -> Report {
+        let folder = self.path("engines");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("program.py"), source).unwrap();
+        let definition = "name = 'mine'\ncommand = ['{python}', '-B', '{folder}/program.py']\n";
+        fs::write(folder.join("mine.toml"), definition).unwrap();
+        let engine = ["--matcher", "mine:fast", "--engines", "engines", "--format", "json"];
+        let (status, stdout, stderr) = self.run(&[&engine[..], &LIMITED].concat());
+        assert_eq!(status, 0, "{stdout}{stderr}");
+        Report(serde_json::from_str(&stdout).unwrap())
     }
 
     /// An honest submission, graded after whatever came before, gets all its points.
@@ -198,11 +220,16 @@ impl Report {
     }
 }
 
-/// The Python that can import this module, looked for once.
+/// The Python that can import this module, looked for once. All have `json`.
 fn python_with(module: &'static str) -> Option<PathBuf> {
     static NUMPY: OnceLock<Option<PathBuf>> = OnceLock::new();
     static SCIPY: OnceLock<Option<PathBuf>> = OnceLock::new();
-    let place = if module == "scipy" { &SCIPY } else { &NUMPY };
+    static PLAIN: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let place = match module {
+        "scipy" => &SCIPY,
+        "numpy" => &NUMPY,
+        _ => &PLAIN,
+    };
     let found = place.get_or_init(|| {
         let named = std::env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty());
         let asked = Command::new(named.unwrap_or_else(|| "python3".into()))

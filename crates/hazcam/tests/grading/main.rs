@@ -2,6 +2,7 @@
 //! hostile, and what it prints, leaves behind and ends with is looked at.
 
 mod archives;
+mod attacks;
 mod board;
 mod browser;
 mod classroom;
