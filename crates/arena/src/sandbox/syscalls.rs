@@ -6,9 +6,9 @@
 //! refused on purpose fails with `EPERM`, so that the message says "not permitted".
 //!
 //! Some calls depend on their arguments: `clone` may make threads and no processes, `kill` and
-//! `tgkill` reach the process itself and nobody else, `prctl` and `ioctl` do a few harmless things,
-//! limits may be read and not set, folders must be readable by their owner. Modes, owners, times and attributes of files cannot be changed
-//! at all, because Landlock does not guard them.
+//! `tgkill` reach the process itself and nobody else, `prctl`, `ioctl` and `fcntl` do a few harmless
+//! things, limits may be read and not set, folders must be readable by their owner. Modes, owners,
+//! times and attributes of files cannot be changed at all, because Landlock does not guard them.
 
 use std::collections::BTreeMap;
 
@@ -37,7 +37,6 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_dup3,
     libc::SYS_fadvise64,
     libc::SYS_fallocate,
-    libc::SYS_fcntl,
     libc::SYS_fdatasync,
     libc::SYS_flock,
     libc::SYS_fstat,
@@ -258,6 +257,35 @@ const PRCTL_OPTIONS: &[c_int] = &[
 const IOCTL_REQUESTS: &[u64] =
     &[libc::TCGETS, libc::TIOCGWINSZ, libc::FIOCLEX, libc::FIONBIO, libc::FIONCLEX, libc::FIONREAD];
 
+/// Copies of descriptors, flags and locks.
+const FCNTL_COMMANDS: &[c_int] = &[
+    libc::F_DUPFD,
+    libc::F_DUPFD_CLOEXEC,
+    libc::F_GETFD,
+    libc::F_GETFL,
+    libc::F_GETLK,
+    libc::F_GETPIPE_SZ,
+    libc::F_GET_SEALS,
+    libc::F_OFD_GETLK,
+    libc::F_OFD_SETLK,
+    libc::F_OFD_SETLKW,
+    libc::F_SETFD,
+    libc::F_SETFL,
+    libc::F_SETLK,
+    libc::F_SETLKW,
+];
+
+/// Refused with `EPERM`: by these the kernel sends a signal when something happens to an open file,
+/// to any process and any signal, `SIGKILL` to the grader among them. A pipe of one's own makes it
+/// happen. Only Landlock of version 6 stops such signals.
+const FCNTL_REFUSED: &[c_int] =
+    &[libc::F_NOTIFY, libc::F_SETLEASE, F_SETOWN, F_SETOWN_EX, F_SETSIG];
+
+/// `libc` has not all of these everywhere; the numbers are those of the kernel's generic header.
+const F_SETOWN: c_int = 8;
+const F_SETSIG: c_int = 10;
+const F_SETOWN_EX: c_int = 15;
+
 /// A rule for calls whose argument number `index` compares so; its lower 32 bits count, which is
 /// all that the kernel looks at in the calls where it is used.
 fn when(index: u8, operator: SeccompCmpOp, value: u64) -> Result<SeccompRule, BackendError> {
@@ -280,6 +308,9 @@ fn known() -> Result<Rules, BackendError> {
     rules.insert(libc::SYS_prctl, options.collect::<Result<_, _>>()?);
     let requests = IOCTL_REQUESTS.iter().map(|&request| equal(1, request));
     rules.insert(libc::SYS_ioctl, requests.collect::<Result<_, _>>()?);
+    let commands = [FCNTL_COMMANDS, FCNTL_REFUSED].concat();
+    let commands = commands.into_iter().map(|command| equal(1, command as u64));
+    rules.insert(libc::SYS_fcntl, commands.collect::<Result<_, _>>()?);
     Ok(rules)
 }
 
@@ -291,6 +322,9 @@ fn refused(own_pid: u32) -> Result<Rules, BackendError> {
     for call in [libc::SYS_kill, libc::SYS_tgkill] {
         rules.insert(call, vec![when(0, SeccompCmpOp::Ne, own_pid.into())?]);
     }
+    let commands = FCNTL_REFUSED.iter();
+    let commands = commands.map(|&command| when(1, SeccompCmpOp::Eq, command as u64));
+    rules.insert(libc::SYS_fcntl, commands.collect::<Result<_, _>>()?);
     // A new limit is a pointer: none is zero in all of its 64 bits.
     let some = SeccompCondition::new(2, SeccompCmpArgLen::Qword, SeccompCmpOp::Ne, 0)?;
     rules.insert(libc::SYS_prlimit64, vec![SeccompRule::new(vec![some])?]);

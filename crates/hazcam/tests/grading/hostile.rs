@@ -122,6 +122,49 @@ fn nobody_else_is_signalled_or_inspected() {
             &["PermissionError"],
             &[],
         ),
+        // Signals that the kernel sends when something happens to an open file.
+        (
+            "end, _ = os.pipe()\nfcntl.fcntl(end, fcntl.F_SETOWN, os.getppid())",
+            "RE",
+            &["PermissionError"],
+            &[],
+        ),
+        (
+            // F_SETOWN_EX, of a process.
+            "end, _ = os.pipe()\nfcntl.fcntl(end, 15, struct.pack('ii', 1, os.getppid()))",
+            "RE",
+            &["PermissionError"],
+            &[],
+        ),
+        (
+            // F_SETSIG.
+            "end, _ = os.pipe()\nfcntl.fcntl(end, 10, signal.SIGKILL)",
+            "RE",
+            &["PermissionError"],
+            &[],
+        ),
+        (
+            "fcntl.fcntl(os.open('.', os.O_RDONLY), fcntl.F_NOTIFY, fcntl.DN_CREATE)",
+            "RE",
+            &["PermissionError"],
+            &[],
+        ),
+        (
+            "open('mine', 'w').close()\n\
+             fcntl.fcntl(os.open('mine', os.O_RDONLY), fcntl.F_SETLEASE, fcntl.F_RDLCK)",
+            "RE",
+            &["PermissionError"],
+            &[],
+        ),
+        // What programs do with their own files goes on.
+        (
+            "file = open('mine', 'w')\nfcntl.lockf(file, fcntl.LOCK_EX)\n\
+             os.set_inheritable(file.fileno(), True)\nos.set_blocking(file.fileno(), False)\n\
+             os.close(fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, 0))",
+            "OK",
+            &[],
+            &[],
+        ),
         // No file is left open that is not its own: beyond the three streams, the two pipes to the
         // grader that they were copied to.
         (
