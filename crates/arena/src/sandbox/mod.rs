@@ -12,7 +12,7 @@
 //! | Landlock | 6.2 or newer (version 3: with truncation) | files outside of what is listed |
 //! | seccomp | any of that age | system calls that are not on the list in `syscalls`: sockets, fork, signals to others, changing modes and owners, ... |
 //! | rlimits | any | CPU time, address space, file size, descriptors, core dumps |
-//! | [`Watch`] | | threads and the folder's total size, which the kernel counts for nobody |
+//! | [`Watch`] | | threads and the total size of files, which the kernel counts for nobody |
 //!
 //! Where the kernel lacks a part, [`missing_parts`] names it, and callers refuse to run anything
 //! unless they are told to do without.

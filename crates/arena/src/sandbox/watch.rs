@@ -1,8 +1,13 @@
-//! Watches what the kernel counts for nobody: threads of one process, and the size of a folder.
+//! Watches what the kernel counts for nobody: threads of one process, and the disk space of its
+//! files, those in its folder and those that it removed and still holds open.
 //!
 //! Both can grow fast but not without end between two looks: every thread takes its stack from the
 //! address space, every file is bounded by the limit of file size. A process past a limit is
 //! killed; since it could start no other, it leaves nothing behind.
+//!
+//! **What remains.** A file that was removed and closed while it is mapped into memory takes space
+//! that nobody without privileges can measure: `/proc/PID/maps` names it and not its blocks. What it
+//! takes is given back when the process ends, by its limit of CPU or wall time at the latest.
 
 use std::fmt;
 use std::io::ErrorKind;
@@ -26,7 +31,7 @@ const ENTRIES: u64 = 4096;
 pub enum Excess {
     /// It had this many threads.
     Threads(u64),
-    /// Its folder held this many bytes, of the number that is allowed.
+    /// Its files took this many bytes, of the number that is allowed.
     Bytes(u64, u64),
     /// Its folder held at least this many files and folders.
     Entries(u64),
@@ -40,7 +45,7 @@ impl fmt::Display for Excess {
             Self::Threads(count) => write!(f, "it had {count} threads; {THREADS} are allowed"),
             Self::Bytes(bytes, limit) => write!(
                 f,
-                "it had written {} MiB to its folder; {} MiB are allowed",
+                "it had written {} MiB of files; {} MiB are allowed",
                 bytes.div_ceil(1 << 20),
                 limit >> 20
             ),
@@ -70,9 +75,13 @@ impl Watch {
                 if process.is_none() {
                     process = process::Watched::from_file(&pid_file);
                 }
-                if let Some(process) = &process
-                    && let Some(excess) = excess(process.threads(), content(&folder), limit)
-                {
+                let Some(process) = &process else { continue };
+                // Before the folder: a file that is removed between the two is missed once, and
+                // counted the next time, instead of twice now.
+                let removed = process.removed_bytes();
+                let mut content = content(&folder);
+                content.bytes = content.bytes.saturating_add(removed);
+                if let Some(excess) = excess(process.threads(), content, limit) {
                     process.kill();
                     return Some(excess);
                 }
@@ -153,7 +162,9 @@ fn allocated(metadata: &std::fs::Metadata) -> u64 {
 
 #[cfg(target_os = "linux")]
 mod process {
+    use std::collections::BTreeSet;
     use std::os::fd::OwnedFd;
+    use std::os::unix::fs::MetadataExt;
     use std::path::Path;
 
     use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
@@ -178,8 +189,57 @@ mod process {
             status.lines().find_map(|line| line.strip_prefix("Threads:"))?.trim().parse().ok()
         }
 
+        /// The disk space of files that it holds open and that have no name any more, each once
+        /// however often it is open.
+        pub fn removed_bytes(&self) -> u64 {
+            removed_bytes(&format!("/proc/{}/fd", self.pid))
+        }
+
         pub fn kill(&self) {
             let _ = pidfd_send_signal(&self.descriptor, Signal::KILL);
+        }
+    }
+
+    fn removed_bytes(descriptors: &str) -> u64 {
+        let mut seen = BTreeSet::new();
+        // Descriptors that are closed in the meantime, and a process that has ended, hold nothing.
+        std::fs::read_dir(descriptors)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|entry| std::fs::metadata(entry.path()).ok())
+            .filter(|file| file.is_file() && file.nlink() == 0)
+            .filter(|file| seen.insert((file.dev(), file.ino())))
+            .map(|file| super::allocated(&file))
+            .sum()
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use std::io::Write;
+
+        use super::removed_bytes;
+
+        #[test]
+        fn a_removed_file_counts_once_while_it_is_open() {
+            let folder = tempfile::tempdir().unwrap();
+            // Stands for the folder of descriptors: other tests have files open as well.
+            let descriptors = folder.path().join("fd");
+            std::fs::create_dir(&descriptors).unwrap();
+            let named = tempfile::NamedTempFile::new_in(&folder).unwrap();
+            let nameless = tempfile::tempfile_in(&folder).unwrap();
+            for mut file in [named.as_file(), &nameless] {
+                file.write_all(&vec![1; 3 << 20]).unwrap();
+            }
+            nameless.sync_all().unwrap();
+            let copy = nameless.try_clone().unwrap();
+            for file in [named.as_file(), &nameless, &copy] {
+                let number = std::os::fd::AsRawFd::as_raw_fd(file);
+                let target = format!("/proc/self/fd/{number}");
+                std::os::unix::fs::symlink(target, descriptors.join(number.to_string())).unwrap();
+            }
+            let bytes = removed_bytes(descriptors.to_str().unwrap());
+            assert!((3 << 20..4 << 20).contains(&bytes), "{bytes}");
         }
     }
 }
@@ -197,6 +257,10 @@ mod process {
         }
 
         pub fn threads(&self) -> Option<u64> {
+            match *self {}
+        }
+
+        pub fn removed_bytes(&self) -> u64 {
             match *self {}
         }
 
@@ -230,7 +294,7 @@ mod tests {
         };
         assert_eq!(text(64, 1 << 20, 4096), None);
         assert!(text(65, 0, 0).unwrap().contains("65 threads; 64"));
-        assert!(text(1, 3 << 20, 0).unwrap().contains("3 MiB to its folder; 1 MiB"));
+        assert!(text(1, 3 << 20, 0).unwrap().contains("3 MiB of files; 1 MiB"));
         assert!(text(1, 0, 4097).unwrap().contains("4097 files"));
         let hidden = Content { hidden: Some(ErrorKind::InvalidFilename), ..Content::default() };
         let text = excess(Some(1), hidden, 1).unwrap().to_string();

@@ -270,6 +270,14 @@ fn memory_and_disk_end_somewhere() {
             &[],
         ),
         (
+            // Without a name, and still there.
+            "keep = []\nfor k in range(10):\n    keep.append(open('big', 'wb', buffering=0))\n    \
+             os.remove('big')\n    keep[-1].write(bytes(10**7))\ntime.sleep(1)",
+            "RE",
+            &["it had written", "32 MiB are allowed"],
+            &[],
+        ),
+        (
             // As quick as the watch, so that the CPU time may end first.
             "for k in range(10**6): open('small%d' % k, 'w').close()",
             "RE or TO",
