@@ -42,8 +42,10 @@ pub(crate) fn decode(source: &Source) -> Result<Plane<f32>, FormatError> {
     // Which bytes are values is certain all the same, because their number is.
     let behind = &source.bytes[words.at()..];
     let blanks = behind.len().saturating_sub(length);
-    let data = match &behind[..blanks] {
-        [space @ .., b'\n'] if space.iter().all(|b| matches!(b, b' ' | b'\t' | b'\r')) => {
+    let data = match (behind, &behind[..blanks]) {
+        // Of a file that was cut off by a byte, `\n` would else be taken for the first value's.
+        ([b'\r', b'\n', data @ ..], _) => data,
+        (_, [space @ .., b'\n']) if space.iter().all(|b| matches!(b, b' ' | b'\t' | b'\r')) => {
             &behind[blanks..]
         }
         _ => words.data().unwrap_or_default(),

@@ -56,6 +56,10 @@ pub fn every_kind() -> Vec<(String, Vec<u8>)> {
     )
     .unwrap();
     write("mask.png", Image::Grey8(plane(|x, y| if x > y { 255 } else { 128 })));
+    // Lines that end as on Windows.
+    let values = (0..6).flat_map(|v| (v as f32 * 1.1).to_le_bytes());
+    let crlf = b"Pf\r\n3 2\r\n-1.0\r\n".iter().copied().chain(values).collect();
+    files.push(("crlf.pfm".to_owned(), crlf));
     for entry in fs::read_dir(folder.path()).unwrap() {
         let path = entry.unwrap().path();
         files.push((name_of(&path), fs::read(&path).unwrap()));
