@@ -185,6 +185,10 @@ impl Parser<'_> {
                 break;
             }
         }
+        if self.peek().is_some() {
+            let problem = "behind the dictionary only white space is allowed".to_owned();
+            return Err(self.fail(problem));
+        }
         match (dtype, fortran_order, shape) {
             (Some((dtype, big_endian)), Some(fortran_order), Some(shape)) => {
                 Ok(Header { dtype, big_endian, fortran_order, shape, data_at })
@@ -277,7 +281,7 @@ impl Parser<'_> {
             return Err(Refusal::WrongKind("a structured array (fields with names)".to_owned()));
         }
         let descr = self.string()?;
-        let code = descr.trim_start_matches(['<', '>', '|', '=']);
+        let code = descr.strip_prefix(['<', '>', '|', '=']).unwrap_or(&descr);
         let found = match code.as_bytes().first() {
             Some(b'O') => "an array of Python objects (pickle), which is never loaded".to_owned(),
             Some(b'c') => format!("an array of complex numbers ({descr})"),
@@ -329,6 +333,8 @@ mod tests {
             ("[('x', '<f4')]", "structured"),
             ("'<f2'", "float16"),
             ("'<q9'", "unknown type"),
+            ("'<>|=<f4'", "unknown type"),
+            ("'<<f4'", "unknown type"),
         ] {
             let text = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (1,), }}");
             match parse(&text) {
@@ -350,6 +356,8 @@ mod tests {
             "{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999,)}",
             "{'descr': '<f4', 'descr': '<f4', 'fortran_order': False, 'shape': (1,)}",
             "{'descr': '<f4', 'fortran_order': False, 'shape': (1,), 'x': __import__('os')}",
+            "{'descr': '<f4', 'fortran_order': False, 'shape': (1,)} and more",
+            "{'descr': '<f4', 'fortran_order': False, 'shape': (1,), }}\n",
             "{'descr': '<f4",
         ] {
             let refusal = parse(text).unwrap_err();
