@@ -13,7 +13,8 @@ use crate::FormatError;
 /// Writes a file so that nobody ever sees a part of it.
 ///
 /// `content` writes to a temporary file in the same folder, which takes the place of `path` when
-/// all went well and is removed otherwise. A symbolic link is followed. What is not a regular file
+/// all went well and is removed otherwise. A symbolic link is followed, also one to a file that is
+/// yet to be made; a file that was there hands on its permissions. What is not a regular file
 /// (`/dev/stdout`, a pipe) cannot be renamed into place and is written directly.
 ///
 /// Errors: [`FormatError::Write`] when the folder is missing or not writable, `path` is a folder,
@@ -23,39 +24,88 @@ pub fn write_atomically(
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FormatError> {
     let path = path.as_ref();
-    let failed = |error: io::Error| {
-        let (problem, source) = match explain(path, &error) {
-            // The system's own words are about the temporary file.
-            Some(problem) => (problem, None),
-            None => (error.to_string(), Some(error)),
-        };
-        FormatError::Write { path: path.to_owned(), problem, source }
-    };
-    let target = match fs::metadata(path) {
-        Ok(found) if found.is_dir() => {
-            return Err(FormatError::Write {
-                path: path.to_owned(),
-                problem: "it is a folder; name a file in it".to_owned(),
-                source: None,
-            });
-        }
-        Ok(found) if found.is_file() => fs::canonicalize(path).map_err(failed)?,
-        Ok(_) => {
+    let failed = |error| failed(path, error);
+    let Place { target, permissions } = match Place::of(path)? {
+        Some(place) => place,
+        None => {
             let file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
             return write_through(file, content).map(drop).map_err(failed);
         }
-        Err(_) => path.to_owned(),
     };
     let temporary = create_beside(&target).map_err(failed)?;
     let (file, temporary) = temporary.into_parts();
+    if let Some(permissions) = permissions {
+        file.set_permissions(permissions).map_err(failed)?;
+    }
     drop(write_through(file, content).map_err(failed)?);
     temporary.persist(&target).map_err(|e| failed(e.error))
+}
+
+/// Where a file goes that is renamed into its place.
+pub(crate) struct Place {
+    /// Its path behind all links.
+    pub target: PathBuf,
+    /// Those of the file that is there now.
+    pub permissions: Option<fs::Permissions>,
+}
+
+impl Place {
+    /// The place that `path` names, `None` for what cannot be replaced, such as a pipe.
+    pub fn of(path: &Path) -> Result<Option<Self>, FormatError> {
+        let permissions = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => {
+                return Err(FormatError::Write {
+                    path: path.to_owned(),
+                    problem: "it is a folder; name a file in it".to_owned(),
+                    source: None,
+                });
+            }
+            Ok(found) if found.is_file() => Some(found.permissions()),
+            Ok(_) => return Ok(None),
+            Err(_) => None,
+        };
+        let target = destination(path).map_err(|error| failed(path, error))?;
+        Ok(Some(Self { target, permissions }))
+    }
+}
+
+/// The path of the file that writing to `path` makes or replaces: its folder without links and
+/// `..`, and the last name behind all links, also where there is no such file yet.
+///
+/// Errors when the folder does not exist, `path` names no file, or links go round in a circle.
+pub fn destination(path: &Path) -> io::Result<PathBuf> {
+    if let Ok(found) = fs::canonicalize(path) {
+        return Ok(found);
+    }
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&path) {
+            Ok(next) => path = folder_of(&path).join(next),
+            Err(_) => {
+                let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+                return Ok(fs::canonicalize(folder_of(&path))?.join(name));
+            }
+        }
+    }
+    Err(io::Error::other(format!("more than {MOST_LINKS} links, one to the other")))
+}
+
+/// As many links as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// The error in words about `path`: the system's own are about the temporary file.
+pub(crate) fn failed(path: &Path, error: io::Error) -> FormatError {
+    let (problem, source) = match explain(path, &error) {
+        Some(problem) => (problem, None),
+        None => (error.to_string(), Some(error)),
+    };
+    FormatError::Write { path: path.to_owned(), problem, source }
 }
 
 /// A temporary file in the folder of `target`, with the rights that any new file gets.
 fn create_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".hazcam-").suffix(".part");
+    builder.prefix(PREFIX).suffix(".part");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -63,6 +113,9 @@ fn create_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     }
     builder.tempfile_in(folder_of(target))
 }
+
+/// How the names of passing files and folders begin.
+pub(crate) const PREFIX: &str = ".hazcam-";
 
 fn write_through(
     file: fs::File,
@@ -73,7 +126,7 @@ fn write_through(
     writer.into_inner().map_err(|e| e.into_error())
 }
 
-fn folder_of(path: &Path) -> PathBuf {
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
@@ -154,13 +207,47 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_new_file_has_the_rights_of_any_new_file() {
+    fn links_to_files_that_are_yet_to_be_made_are_followed() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("deep")).unwrap();
+        symlink("deep/second", at("first")).unwrap();
+        symlink("../target", at("deep/second")).unwrap();
+        write_atomically(at("first"), |w| w.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(at("target")).unwrap(), b"new");
+        for link in [at("first"), at("deep/second")] {
+            assert!(fs::symlink_metadata(link).unwrap().is_symlink());
+        }
+        symlink("round", at("round")).unwrap();
+        write_atomically(at("round"), |_| Ok(())).unwrap_err();
+        assert_eq!(names(folder.path()), ["deep", "first", "round", "target"]);
+    }
+
+    #[test]
+    fn one_file_has_one_destination_however_it_is_spelled() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("deep")).unwrap();
+        let spelled = |text: &str| destination(&folder.path().join(text)).unwrap();
+        assert_eq!(spelled("a.pfm"), spelled("deep/../a.pfm"));
+        assert_ne!(spelled("a.pfm"), spelled("deep/a.pfm"));
+        destination(&folder.path().join("no/a.pfm")).unwrap_err();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_new_file_has_the_rights_of_any_new_file_and_an_old_one_keeps_its_own() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (ours, plain) = (folder.path().join("ours"), folder.path().join("plain"));
         write_atomically(&ours, |_| Ok(())).unwrap();
         fs::write(&plain, "").unwrap();
-        let mode = |path| fs::metadata(path).unwrap().permissions().mode();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
         assert_eq!(mode(&ours), mode(&plain));
+        for rights in [0o600, 0o664, 0o400] {
+            fs::set_permissions(&ours, fs::Permissions::from_mode(rights)).unwrap();
+            write_atomically(&ours, |w| w.write_all(b"new")).unwrap();
+            assert_eq!(mode(&ours), rights);
+        }
     }
 }

@@ -91,7 +91,7 @@ mod pnm;
 mod source;
 mod tiff;
 
-pub use atomic::write_atomically;
+pub use atomic::{destination, write_atomically};
 pub use bounding_box::{parse_bounding_box, read_bounding_box};
 pub use calibration::{Calibration, CalibrationLayout, read_calibration};
 pub use depth::write_depth;
