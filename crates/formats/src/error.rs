@@ -128,6 +128,21 @@ impl FormatError {
             Self::Text { .. } => None,
         }
     }
+
+    /// The same error about another file: the one that was meant, where a passing one was written.
+    pub(crate) fn about(mut self, file: &Path) -> Self {
+        match &mut self {
+            Self::Read { path, .. }
+            | Self::Write { path, .. }
+            | Self::Malformed { path, .. }
+            | Self::TooLarge { path, .. }
+            | Self::WrongKind { path, .. }
+            | Self::UnknownExtension { path, .. }
+            | Self::Unrepresentable { path, .. } => *path = file.to_owned(),
+            Self::Text { .. } => {}
+        }
+        self
+    }
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@
 //! | `.npy` arrays between processes | [`npy`] | numbers of one stated type and shape |
 //!
 //! [`picture`] draws maps for people. Everything is written by [`write_atomically`]: a file appears
-//! whole or not at all.
+//! whole or not at all; several do so together by [`write_all_or_none`].
 //!
 //! ```
 //! # fn main() -> Result<(), formats::FormatError> {
@@ -69,6 +69,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod all_or_none;
 mod atomic;
 mod bounding_box;
 mod calibration;
@@ -91,6 +92,7 @@ mod pnm;
 mod source;
 mod tiff;
 
+pub use all_or_none::{Writer, try_to_write, write_all_or_none};
 pub use atomic::{destination, write_atomically};
 pub use bounding_box::{parse_bounding_box, read_bounding_box};
 pub use calibration::{Calibration, CalibrationLayout, read_calibration};

@@ -5,6 +5,7 @@ mod arguments;
 mod cli;
 mod clock;
 mod commands;
+mod outputs;
 mod ui;
 mod wrap;
 

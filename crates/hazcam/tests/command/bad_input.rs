@@ -139,6 +139,9 @@ fn an_output_that_would_replace_an_input_or_another_output() {
     folder.refuses("match left.png right.png -o ./left.png", &["would replace an input"]);
     let expected = ["--output and --preview both name d.png"];
     folder.refuses("match left.png right.png -o d.png --preview d.png", &expected);
+    std::fs::create_dir(folder.path("deep")).unwrap();
+    let expected = ["--output and --preview both name deep/../d.png"];
+    folder.refuses("match left.png right.png -o d.png --preview deep/../d.png", &expected);
 }
 
 #[test]

@@ -79,7 +79,25 @@ impl Folder {
 
     /// Runs the command with these arguments, separated by spaces.
     pub fn run(&self, arguments: &str) -> Outcome {
-        let output = self.command().args(arguments.split_whitespace()).output().unwrap();
+        Self::outcome(self.command().args(arguments.split_whitespace()))
+    }
+
+    /// The same from a shell, in which `before` is said first and `behind` behind the arguments.
+    #[cfg(unix)]
+    pub fn run_in_shell(&self, before: &str, arguments: &str, behind: &str) -> Outcome {
+        let hazcam = self.command();
+        let mut shell = Command::new("sh");
+        shell.current_dir(self.0.path()).stdin(Stdio::null()).arg("-c");
+        for (name, value) in hazcam.get_envs() {
+            assert!(value.is_none(), "variables are only taken away");
+            shell.env_remove(name);
+        }
+        shell.arg(format!("{before}\nexec \"$0\" {arguments} {behind}"));
+        Self::outcome(shell.arg(hazcam.get_program()))
+    }
+
+    fn outcome(command: &mut Command) -> Outcome {
+        let output = command.output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Outcome {
             status: output.status.code().expect("the command was not killed"),

@@ -308,3 +308,22 @@ fn an_older_output_survives_a_failed_run() {
     folder.refuses("match left.png gone.png -o d.pfm -d 4", &["gone.png"]);
     assert_eq!(std::fs::read(folder.path("d.pfm")).unwrap(), before);
 }
+
+#[cfg(unix)]
+#[test]
+fn older_outputs_survive_a_disk_that_fills_up() {
+    let folder = Folder::with_pair(64, 48);
+    let line = "match left.png right.png -o d.pfm --preview p.png --confidence c.npy -d 4";
+    folder.run(line).done();
+    let names = folder.names();
+    let contents = || -> Vec<_> {
+        names.iter().map(|name| std::fs::read(folder.path(name)).unwrap()).collect()
+    };
+    let before = contents();
+    // Files of a few kB at most: what is tried beforehand fits, but no map of numbers.
+    let outcome = folder.run_in_shell("trap '' XFSZ; ulimit -f 4", line, "");
+    assert_eq!(outcome.status, 2, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("cannot write d.pfm"), "{}", outcome.stderr);
+    assert!(contents() == before, "an older file is another one now");
+    assert_eq!(folder.names(), names);
+}

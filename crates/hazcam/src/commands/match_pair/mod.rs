@@ -136,7 +136,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         confidence: args.confidence.clone(),
         reasons: args.reasons.clone(),
     };
-    outputs.check([&args.left, &args.right])?;
+    outputs.check([args.left.as_path(), &args.right])?;
 
     let mut left = formats::read_image(&args.left)?;
     let mut right = formats::read_image(&args.right)?;

@@ -1,14 +1,14 @@
-//! The files that a match writes: tried before the work begins, written after it, all or none.
+//! The files that a match writes.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use formats::picture::{self, ColourMap};
 use formats::{FormatError, write_disparity, write_image};
 use raster::{DisparityMap, DisparityRange, Image, Plane};
 
 use super::sidecar::Sidecar;
+use crate::outputs::{self, Output};
 
 /// Where everything goes.
 pub struct Outputs {
@@ -43,43 +43,42 @@ impl Outputs {
         name.into()
     }
 
-    /// Every file with the option that asked for it.
-    fn files(&self) -> Vec<(&'static str, PathBuf)> {
-        let optional = [
-            ("--preview", &self.preview),
-            ("--confidence", &self.confidence),
-            ("--reasons", &self.reasons),
-        ];
-        let mut files = vec![("--output", self.disparity.clone()), ("--output", self.sidecar())];
-        files.extend(
-            optional.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))),
-        );
-        files
+    /// Errors when a file cannot be written, as far as that can be told before there is a map.
+    pub fn check(&self, inputs: [&Path; 2]) -> anyhow::Result<()> {
+        let tiny = DisparityMap::empty(1, 1);
+        outputs::check(&self.all(&tiny, DisparityRange::new(0, 1)?, ""), &inputs)
     }
 
-    /// Errors when a file would replace an input or another output, when its extension is unknown,
-    /// or when its folder cannot be written. Leaves nothing behind.
-    pub fn check(&self, inputs: [&PathBuf; 2]) -> anyhow::Result<()> {
-        let files = self.files();
-        for (i, (option, path)) in files.iter().enumerate() {
-            if inputs.iter().any(|input| is_same_file(input, path)) {
-                bail!("{option} {} would replace an input: name another file", path.display());
-            }
-            if let Some((other, _)) = files[..i].iter().find(|(_, other)| other == path) {
-                bail!("{other} and {option} both name {}: name two files", path.display());
-            }
+    /// Every file that was asked for, and what goes into it.
+    fn all<'a>(
+        &'a self,
+        map: &'a DisparityMap,
+        range: DisparityRange,
+        record: &'a str,
+    ) -> Vec<Output<'a>> {
+        let mut all = vec![
+            Output::new("--output", &self.disparity, |path| write_disparity(path, &map.values)),
+            Output::new("--output", self.sidecar(), move |path| {
+                formats::write_atomically(path, |file| file.write_all(record.as_bytes()))
+            }),
+        ];
+        if let Some(path) = &self.preview {
+            all.push(Output::new("--preview", path, move |path| {
+                let (min, max) = (range.min() as f32, range.max() as f32);
+                let colours = picture::disparity(&map.values, min, max, ColourMap::Turbo);
+                write_image(path, &Image::Rgb8(colours))
+            }));
         }
-        let tiny = Plane::filled(1, 1, 0.0);
-        let picture = Image::Rgb8(Plane::filled(1, 1, [0; 3]));
-        attempt(&self.disparity, |path| write_disparity(path, &tiny))?;
-        attempt(&self.sidecar(), |path| formats::write_atomically(path, |_| Ok(())))?;
         if let Some(path) = &self.confidence {
-            attempt(path, |path| write_confidence(path, &tiny))?;
+            let write = |path: &Path| write_confidence(path, &map.confidence);
+            all.push(Output::new("--confidence", path, write));
         }
-        for path in [&self.preview, &self.reasons].into_iter().flatten() {
-            attempt(path, |path| write_image(path, &picture))?;
+        if let Some(path) = &self.reasons {
+            all.push(Output::new("--reasons", path, |path| {
+                write_image(path, &Image::Rgb8(picture::reasons(&map.reasons)))
+            }));
         }
-        Ok(())
+        all
     }
 
     /// Errors when the format cannot hold every disparity of the range.
@@ -96,85 +95,15 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes every file. When one fails, those already written are removed.
+    /// Writes every file, or leaves everything as it was.
     pub fn write(
         &self,
         map: &DisparityMap,
         range: DisparityRange,
         sidecar: &Sidecar,
     ) -> anyhow::Result<()> {
-        let result = self.write_each(map, range, sidecar);
-        if result.is_err() {
-            for (_, path) in self.files() {
-                // The error that stopped the writing matters more than one from tidying up.
-                let _ = fs::remove_file(path);
-            }
-        }
-        result
-    }
-
-    fn write_each(
-        &self,
-        map: &DisparityMap,
-        range: DisparityRange,
-        sidecar: &Sidecar,
-    ) -> anyhow::Result<()> {
-        write_disparity(&self.disparity, &map.values)?;
-        if let Some(path) = &self.preview {
-            let (min, max) = (range.min() as f32, range.max() as f32);
-            let colours = picture::disparity(&map.values, min, max, ColourMap::Turbo);
-            write_image(path, &Image::Rgb8(colours))?;
-        }
-        if let Some(path) = &self.confidence {
-            write_confidence(path, &map.confidence)?;
-        }
-        if let Some(path) = &self.reasons {
-            write_image(path, &Image::Rgb8(picture::reasons(&map.reasons)))?;
-        }
         let record = serde_json::to_string_pretty(sidecar)? + "\n";
-        formats::write_atomically(self.sidecar(), |file| file.write_all(record.as_bytes()))?;
+        outputs::write_all_or_none(&self.all(map, range, &record))?;
         Ok(())
     }
-}
-
-/// Whether both paths lead to one existing file.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
-}
-
-/// Writes a file of the same name into a passing folder beside `path`, so that whatever would stop
-/// the real writing stops the program before it has worked.
-fn attempt(
-    path: &Path,
-    write: impl FnOnce(&Path) -> Result<(), FormatError>,
-) -> anyhow::Result<()> {
-    let Some(name) = path.file_name() else { bail!("{} names no file", path.display()) };
-    if path.is_dir() {
-        bail!("cannot write {}: it is a folder; name a file in it", path.display());
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        bail!(
-            "cannot write {}: the folder {} does not exist; create it first",
-            path.display(),
-            folder.display()
-        );
-    }
-    let passing = tempfile::Builder::new()
-        .prefix(".hazcam-")
-        .tempdir_in(folder)
-        .with_context(|| format!("cannot write {}", path.display()))?;
-    write(&passing.path().join(name)).map_err(|error| match error {
-        FormatError::UnknownExtension { known, .. } => {
-            FormatError::UnknownExtension { path: path.to_owned(), known }
-        }
-        other => other,
-    })?;
-    Ok(())
 }
