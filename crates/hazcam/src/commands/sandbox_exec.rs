@@ -2,6 +2,7 @@
 //! `hazcam grade`, not by people.
 
 use std::ffi::OsString;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use anyhow::Context;
@@ -25,6 +26,7 @@ pub struct Args {
 pub fn run(args: Args, _ui: &Ui) -> anyhow::Result<ExitCode> {
     let policy: Policy = serde_json::from_str(&args.policy).context("the policy is malformed")?;
     let error = sandbox::enter(&policy, &args.program, &args.arguments);
-    eprintln!("{}{error}", sandbox::FAILURE_PREFIX);
+    // The status says it too, should nobody read this.
+    let _ = writeln!(io::stderr(), "{}{error}", sandbox::FAILURE_PREFIX);
     Ok(ExitCode::from(sandbox::EXIT_STATUS))
 }

@@ -327,3 +327,13 @@ fn older_outputs_survive_a_disk_that_fills_up() {
     assert!(contents() == before, "an older file is another one now");
     assert_eq!(folder.names(), names);
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_profile_that_cannot_be_printed_is_an_error_and_no_panic() {
+    let folder = Folder::with_pair(24, 16);
+    let line = "match left.png right.png -o d.pfm -d 4 -m fast --profile";
+    let outcome = folder.run_in_shell("", line, "> /dev/full");
+    assert_eq!(outcome.status, 2, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("cannot write to stdout"), "{}", outcome.stderr);
+}

@@ -195,7 +195,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if args.profile {
         // The first frame is also the one for which memory is fetched.
         matcher.compute(&left, &right, args.bounds)?;
-        print!("{}", profile::table(&matcher, bounds));
+        ui.print(&profile::table(&matcher, bounds))?;
     }
     Ok(ExitCode::SUCCESS)
 }
