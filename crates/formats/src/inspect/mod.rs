@@ -16,6 +16,7 @@ use crate::{Calibration, Encoding, FormatError, calibration, pfm, tiff};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FileInfo {
     /// The file.
+    #[serde(serialize_with = "crate::path_as_text")]
     pub path: PathBuf,
     /// Its length.
     pub bytes: u64,

@@ -8,4 +8,6 @@ mod folder;
 mod help;
 mod info;
 mod match_pair;
+#[cfg(target_os = "linux")]
+mod names;
 mod score;

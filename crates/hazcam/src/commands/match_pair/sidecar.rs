@@ -19,6 +19,7 @@ pub struct Sidecar {
     hazcam: &'static str,
     left: Input,
     right: Input,
+    #[serde(serialize_with = "formats::path_as_text")]
     output: PathBuf,
     columns: usize,
     rows: usize,
@@ -59,6 +60,7 @@ impl From<[f64; 5]> for Coefficients {
 
 #[derive(Serialize)]
 struct Input {
+    #[serde(serialize_with = "formats::path_as_text")]
     path: PathBuf,
     bytes: u64,
     /// None for a pipe, which can be read only once.

@@ -41,6 +41,7 @@ pub struct Report {
 /// A disparity map's file and how it was understood.
 #[derive(Serialize)]
 pub struct Map {
+    #[serde(serialize_with = "formats::path_as_text")]
     path: PathBuf,
     #[serde(serialize_with = "as_text")]
     encoding: Encoding,
