@@ -41,7 +41,7 @@ fn the_course_hand_out_with_its_boxes_and_ranges() {
         grey8(&at(&format!("images/kitti/{side}/000070_10.png")), 10);
     }
     grey16(&at("images/kitti/disp_occ/000070_10.png"), 512);
-    grey16(&at("images/kitti/disp_noc/000070_10.png"), 512);
+    grey16(&at("images/kitti/disp_noc/000070_10.png"), 0);
     grey8(&at("images/mars/spirit-01l.png"), 10);
     grey8(&at("images/mars/spirit-01r.png"), 10);
     fs::create_dir(at("data")).unwrap();
@@ -63,6 +63,8 @@ fn the_course_hand_out_with_its_boxes_and_ranges() {
     assert_eq!((kitti.range.max(), kitti.truth.unwrap().samples()[0]), (150, 2.0));
     let names: Vec<_> = kitti.regions.iter().map(|region| region.name).collect();
     assert_eq!(names, ["non-occluded", "occluded"]);
+    let non_occluded = kitti.regions[0].truth.as_ref().unwrap();
+    assert_eq!(known(non_occluded), 0, "0 is no truth in a PNG");
     let mars = case(&cases, "course/mars/spirit-01");
     assert_eq!((mars.purpose, mars.has_truth()), (Purpose::Rover, false));
     let data = mars.load().unwrap();
@@ -105,6 +107,7 @@ fn middeval_and_eth3d_with_mask_and_calibration() {
     grey8(&at("mask0nocc.png"), 255);
     let mut truth = Plane::filled(SIZE.0, SIZE.1, 3.5f32);
     truth.row_mut(0)[0] = f32::NAN;
+    // Infinitely far, and known to be.
     truth.row_mut(0)[1] = 0.0;
     write_disparity(at("disp0GT.pfm"), &truth).unwrap();
     let calibration = "cam0=[100 0 9; 0 100 4; 0 0 1]\ncam1=[100 0 9; 0 100 4; 0 0 1]\ndoffs=0\n\
@@ -113,7 +116,7 @@ fn middeval_and_eth3d_with_mask_and_calibration() {
     let cases = dataset::open(root.path()).unwrap();
     let data = case(&cases, "MiddEval3/trainingQ/Pipes").load().unwrap();
     assert_eq!(data.range.max(), 7);
-    assert_eq!(known(&data.truth.unwrap()), 198);
+    assert_eq!(known(&data.truth.unwrap()), 199);
     assert!(data.regions[0].mask.samples().iter().all(|&both| both));
     assert!(data.protocol.contains(&"non-occluded where Pipes/mask0nocc.png is 255".to_owned()));
 }

@@ -90,9 +90,7 @@ fn read_truth(
     check_size(&file.path, truth.values.size(), size)?;
     protocol.push(format!("{what} {} ({})", name(&file.path), truth.encoding));
     protocol.extend(truth.note);
-    // Zero stands for "unknown" in the truth of every data set, that in PFM files included.
-    let known = |value: f32| value.is_finite() && value != 0.0;
-    Ok(truth.values.map(|&value| if known(value) { value } else { f32::NAN }))
+    Ok(truth.values)
 }
 
 /// The pixels that both cameras see, and the others, from whatever the data set tells about them.
