@@ -183,6 +183,10 @@ fn two_jobs_work_at_once_and_their_records_keep_the_order() {
     let cases = ["a/one", "b/two"];
     assert_eq!(order, cases.map(|case| [(case, "first"), (case, "second")]).concat());
     assert_eq!(p_bads(&records), [Some(0.0); 4]);
+    assert!(records.iter().all(|record| record.jobs == 2), "who reads the times must know");
+    // One engine alone is not disturbed, whatever is allowed.
+    plan.engines = vec![wrong_at(folder.path(), "alone", [0, 0])];
+    assert!(outcome(&plan).records.iter().all(|record| record.jobs == 1));
 }
 
 #[test]

@@ -51,6 +51,8 @@ pub struct Record {
     pub max_disparity: i32,
     /// How many threads the engine was allowed.
     pub threads: usize,
+    /// How many engines worked at once. With more than one, each disturbed the others' clocks.
+    pub jobs: usize,
     /// How it ended.
     #[serde(flatten)]
     pub status: Status,
@@ -83,12 +85,14 @@ pub struct Record {
 }
 
 impl Record {
-    /// Scores the last of `attempts`, which are runs of one engine on one scene, at least one.
+    /// Scores the last of `attempts`, which are runs of one engine on one scene, at least one, while
+    /// `jobs` engines worked at once.
     pub fn new(
         case: &Case,
         data: &CaseData,
         worker: &Worker,
         attempts: &[Attempt],
+        jobs: usize,
         machine: &Machine,
     ) -> Self {
         let last = attempts.last().expect("an engine runs at least once");
@@ -122,6 +126,7 @@ impl Record {
             min_disparity: data.range.min(),
             max_disparity: data.range.max(),
             threads: worker.threads(),
+            jobs,
             status,
             protocol: data.protocol.clone(),
             scores: scored.scores,

@@ -140,12 +140,13 @@ pub fn run(
     Ok(outcome)
 }
 
-/// One engine on one scene, as often as asked.
+/// One engine on one scene, as often as asked, while `jobs` engines work at once.
 fn run_one(
     plan: &Plan,
     case: &Case,
     data: &CaseData,
     worker: &mut Worker,
+    jobs: usize,
 ) -> (Record, Option<Answer>) {
     let pair =
         Pair { left: &data.left, right: &data.right, bounds: data.bounds, range: data.range };
@@ -153,6 +154,6 @@ fn run_one(
     while attempts.len() < plan.repeats && attempts.last().is_some_and(|a| a.answer.is_some()) {
         attempts.push(worker.run(&pair));
     }
-    let record = Record::new(case, data, worker, &attempts, &plan.machine);
+    let record = Record::new(case, data, worker, &attempts, jobs, &plan.machine);
     (record, attempts.pop().and_then(|attempt| attempt.answer))
 }

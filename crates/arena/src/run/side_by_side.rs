@@ -39,7 +39,7 @@ pub(super) fn run_all(
                     if tell.send(Told::Begins(worker.definition().clone())).is_err() {
                         break;
                     }
-                    let (record, answer) = run_one(plan, case, data, worker);
+                    let (record, answer) = run_one(plan, case, data, worker, at_once);
                     if tell.send(Told::Finished(Box::new(record), answer)).is_err() {
                         break;
                     }

@@ -85,6 +85,21 @@ fn a_reference_is_compared_with_and_kept_in_the_folder() {
 }
 
 #[test]
+fn engines_at_once_are_told_and_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let words = ", 2 engines at once: times are longer than alone; ";
+    for (jobs, told) in [("1", false), ("2", true)] {
+        let arguments = format!("bench --data data -m fast -m balanced --jobs {jobs} -o out");
+        let (stdout, _) = run(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), 0);
+        assert_eq!(stdout.contains(words), told, "{stdout}");
+        let record = fs::read(folder.path().join("out/walls/near/fast.json")).unwrap();
+        let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+        assert_eq!(record["jobs"].to_string(), jobs);
+    }
+}
+
+#[test]
 fn without_a_choice_opencv_runs_beside_or_is_said_to_be_absent() {
     let folder = tempfile::tempdir().unwrap();
     data(folder.path());

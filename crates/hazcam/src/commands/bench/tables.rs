@@ -159,7 +159,11 @@ fn conditions(record: &Record) -> String {
         1 => "1 thread".to_owned(),
         n => format!("{n} threads"),
     };
-    format!("{threads} per engine; {}; hazcam {}", record.machine, record.hazcam)
+    let at_once = match record.jobs {
+        1 => String::new(),
+        n => format!(", {n} engines at once: times are longer than alone"),
+    };
+    format!("{threads} per engine{at_once}; {}; hazcam {}", record.machine, record.hazcam)
 }
 
 fn summary_note(reference: Option<&str>) -> String {
