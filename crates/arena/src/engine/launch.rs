@@ -29,10 +29,18 @@ pub struct Programs {
 impl Programs {
     /// Looks for Python: the variable `HAZCAM_PYTHON`, else `python3` or `python` on `PATH`.
     pub fn find(hazcam: PathBuf) -> Self {
-        let named = env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty()).map(PathBuf::from);
-        let python = named.or_else(|| ["python3", "python"].into_iter().find_map(on_path));
-        Self { hazcam, python }
+        Self { hazcam, python: Self::find_python() }
     }
+
+    /// The Python that [`Programs::find`] finds.
+    pub fn find_python() -> Option<PathBuf> {
+        let named = env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty()).map(PathBuf::from);
+        named.or_else(|| ["python3", "python"].into_iter().find_map(on_path))
+    }
+
+    /// What is said where there is none.
+    pub const NO_PYTHON: &str =
+        "neither python3 nor python is on PATH, and HAZCAM_PYTHON names none";
 }
 
 /// The first program of this name on `PATH`.
@@ -56,9 +64,7 @@ pub(crate) fn command(
         let mut text = text.clone();
         if text.contains("{python}") {
             let python = programs.python.as_ref().ok_or_else(|| Status::Absent {
-                message: "Python is not installed: neither python3 nor python is on PATH, and \
-                          HAZCAM_PYTHON names none"
-                    .into(),
+                message: format!("Python is not installed: {}", Programs::NO_PYTHON),
             })?;
             text = text.replace("{python}", &python.to_string_lossy());
         }

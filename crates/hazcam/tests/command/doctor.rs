@@ -37,6 +37,30 @@ fn without_python_it_says_what_for() {
     assert!(output.status.success(), "Python is optional");
 }
 
+/// Systems without a `python3` have a `python`, which runs engines too.
+#[cfg(unix)]
+#[test]
+fn the_python_is_looked_at_that_engines_would_be_run_with() {
+    let folder = Folder::new();
+    let doctor = || {
+        let mut command = folder.command();
+        let output = command.arg("doctor").env("PATH", folder.path("bin")).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = doctor();
+    assert!(text.contains("neither python3 nor python is on PATH"), "{text}");
+    // Written by another process: one that this process starts meanwhile would keep it open.
+    let script = "mkdir bin; printf '#!/bin/sh\\necho 3.9.7; echo 2.5; echo -\\n' > bin/python";
+    let made = std::process::Command::new("sh")
+        .args(["-c", &format!("{script}; chmod +x bin/python")])
+        .current_dir(folder.path(""))
+        .status();
+    assert!(made.unwrap().success());
+    let text = doctor();
+    assert!(text.contains("ok      python               3.9.7"), "{text}");
+    assert!(text.contains("ok      numpy                2.5"), "{text}");
+}
+
 #[test]
 fn scenes_are_found_where_the_environment_says() {
     let folder = Folder::with_pair(24, 16);

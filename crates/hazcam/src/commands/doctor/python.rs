@@ -2,6 +2,8 @@
 
 use std::process::{Command, Stdio};
 
+use arena::engine::Programs;
+
 use super::Finding;
 
 /// Prints the versions of Python, numpy and OpenCV, one a line; a dash for what is missing.
@@ -15,10 +17,12 @@ for name in ('numpy', 'cv2'):
         print('-')
 ";
 
-/// Asks `HAZCAM_PYTHON`, or else `python3`.
+/// Asks the Python that would run engines and submissions.
 pub fn look() -> Vec<Finding> {
-    let python = std::env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty());
-    let python = python.unwrap_or_else(|| "python3".into());
+    let Some(python) = Programs::find_python() else {
+        let detail = format!("{}; grading Python submissions needs it", Programs::NO_PYTHON);
+        return vec![Finding::absent("python", detail)];
+    };
     let answer = Command::new(&python)
         .args(["-c", PROGRAM])
         .stdin(Stdio::null())
