@@ -87,7 +87,11 @@ mod tests {
         near(colour.doffs, 2.0);
         assert_eq!((colour.focal_px, colour.cx, colour.cy), (700.0, 600.0, 180.0));
         assert_eq!(calibration.camera_of("training/image_2/000000_10.png"), colour);
-        assert_eq!(calibration.camera_of("image_0/000070_10.png"), calibration.camera);
+        assert_eq!(calibration.camera_of("drive/image_02/data/0000000000.png"), colour);
+        // What else is on the way there says nothing.
+        for grey in ["image_0/000070_10.png", "image_2/image_0/000070_10.png", "left.png"] {
+            assert_eq!(calibration.camera_of(grey), calibration.camera, "{grey}");
+        }
     }
 
     #[test]

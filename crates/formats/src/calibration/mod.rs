@@ -9,6 +9,7 @@
 mod kitti;
 mod middlebury;
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use camera::StereoCamera;
@@ -54,12 +55,16 @@ pub enum CalibrationLayout {
 }
 
 impl Calibration {
-    /// The camera of a left image, by the folder it lies in: KITTI's `image_2`, `image_02` and
-    /// `colored_0` belong to the colour pair, everything else to [`Calibration::camera`].
+    /// The camera of a left image, by the folder it lies in: KITTI's `image_2` and `colored_0`, and
+    /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair,
+    /// everything else to [`Calibration::camera`].
     pub fn camera_of(&self, left: impl AsRef<Path>) -> StereoCamera {
-        let colour = left.as_ref().components().any(|part| {
-            matches!(part.as_os_str().to_str(), Some("image_2" | "image_02" | "colored_0"))
+        let folder = left.as_ref().parent().map(|parent| match parent.file_name() {
+            Some(name) if name == "data" => parent.parent().unwrap_or(parent),
+            _ => parent,
         });
+        let name = folder.and_then(Path::file_name).and_then(OsStr::to_str);
+        let colour = matches!(name, Some("image_2" | "image_02" | "colored_0"));
         match self.colour_camera {
             Some(camera) if colour => camera,
             _ => self.camera,
