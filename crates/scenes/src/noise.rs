@@ -1,8 +1,9 @@
 //! Band-limited noise in space: Perlin's gradient noise and sums of its octaves.
 //!
 //! K. Perlin, *Improving noise* (SIGGRAPH 2002): a random gradient at every whole-numbered point,
-//! blended with a quintic. Gradients come from a hash of the cell, not from a permutation table, so the noise does not repeat. Octaves finer than the `footprint` of a pixel are faded
-//! out, so that both cameras see the same surface instead of two different aliases of it.
+//! blended with a quintic. Gradients come from a hash of the cell, not from a permutation table, so
+//! the noise does not repeat. Octaves finer than the `footprint` of a pixel are faded out, so that
+//! both cameras see the same surface instead of two different aliases of it.
 
 use crate::number::smoothstep;
 use crate::random::key;

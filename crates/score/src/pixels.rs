@@ -133,7 +133,7 @@ impl<'a> Pixels<'a> {
         &self.description
     }
 
-    /// Columns and rows of the image.
+    /// The map that is scored.
     pub(crate) fn estimate(&self) -> &'a Plane<f32> {
         self.estimate
     }
