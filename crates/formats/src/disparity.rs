@@ -23,9 +23,8 @@ pub struct ReadDisparity {
 ///
 /// With [`Encoding::Auto`] the content decides. Integers do not say their scale: 16-bit grey is
 /// taken for KITTI's (/ 256) and 8-bit grey for whole disparities (/ 1), and the note says so,
-/// because a map read at the wrong scale looks right and scores as almost all wrong
-/// ([`implausible_scale`] finds out). Any other encoding is a demand: a file of another kind is an
-/// error.
+/// because a map read at the wrong scale looks right and scores as almost all wrong. Any other
+/// encoding is a demand: a file of another kind is an error.
 pub fn read_disparity(
     path: impl AsRef<Path>,
     encoding: Encoding,
@@ -152,19 +151,6 @@ fn scaled<T: Copy + Into<f32>>(samples: &Plane<T>, divisor: f32) -> Plane<f32> {
         0.0 => f32::NAN,
         value => value / divisor,
     })
-}
-
-/// The factor by which the values are too large to be disparities up to `max_disparity`: 4, 16 or
-/// 256, the smallest that explains them; `None` when they fit or none of these does.
-///
-/// A few wild values are no scale: the 99th percentile of the values is held against the maximum.
-pub fn implausible_scale(values: &Plane<f32>, max_disparity: f32) -> Option<f32> {
-    let mut valid: Vec<f32> = values.samples().iter().copied().filter(|v| v.is_finite()).collect();
-    let at = valid.len().checked_sub(1)? * 99 / 100;
-    let (_, &mut high, _) = valid.select_nth_unstable_by(at, f32::total_cmp);
-    // One pixel of room: truth may pass the stated maximum by its fraction.
-    let fits = |value: f32| value <= max_disparity + 1.0;
-    if fits(high) { None } else { [4.0, 16.0, 256.0].into_iter().find(|s| fits(high / s)) }
 }
 
 /// How disparities stand in files.

@@ -28,7 +28,7 @@
 //! | TIFF | `tiff` | float32 | infinite, NaN | `.tiff`, `.tif`, NaN |
 //!
 //! Integers do not say their scale, and a map at the wrong scale looks right and scores as almost
-//! all wrong: [`ReadDisparity::note`] tells what was assumed, [`implausible_scale`] finds out.
+//! all wrong: [`ReadDisparity::note`] tells what was assumed.
 //!
 //! # Depth: [`write_depth`], [`write_points`]
 //!
@@ -98,7 +98,7 @@ pub use atomic::{destination, write_atomically};
 pub use bounding_box::{parse_bounding_box, read_bounding_box};
 pub use calibration::{Calibration, CalibrationLayout, read_calibration};
 pub use depth::write_depth;
-pub use disparity::{ReadDisparity, implausible_scale, read_disparity, write_disparity};
+pub use disparity::{ReadDisparity, read_disparity, write_disparity};
 pub use encoding::Encoding;
 pub use error::FormatError;
 pub use image::{read_image, write_image};

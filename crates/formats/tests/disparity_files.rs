@@ -3,9 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use formats::{
-    Encoding, FormatError, implausible_scale, npy, read_disparity, write_disparity, write_image,
-};
+use formats::{Encoding, FormatError, npy, read_disparity, write_disparity, write_image};
 use raster::{Image, Plane};
 use tempfile::TempDir;
 
@@ -174,20 +172,4 @@ fn arrays_of_any_number_are_disparities_but_only_in_two_dimensions() {
     npy::write(&path, &Plane::filled(2, 2, [1u8; 3])).unwrap();
     let error = read_disparity(&path, Encoding::Auto).unwrap_err().to_string();
     assert!(error.contains("shape (2, 2, 3)"), "{error}");
-}
-
-#[test]
-fn a_scale_that_was_forgotten_is_found() {
-    let truth = Plane::from_fn(40, 30, |x, y| if x == y { NAN } else { 12.0 + x as f32 });
-    let times = |factor: f32| truth.map(|v| v * factor);
-    for factor in [4.0, 16.0, 256.0] {
-        assert_eq!(implausible_scale(&times(factor), 55.0), Some(factor));
-    }
-    assert_eq!(implausible_scale(&times(1.0), 55.0), None);
-    assert_eq!(implausible_scale(&times(100_000.0), 55.0), None, "no known factor explains it");
-    // A few wild values in an estimate are not a scale.
-    let mut wild = truth.clone();
-    wild.samples_mut()[5..10].fill(900.0);
-    assert_eq!(implausible_scale(&wild, 55.0), None);
-    assert_eq!(implausible_scale(&Plane::filled(3, 3, NAN), 55.0), None);
 }

@@ -10,9 +10,8 @@
 //! | [`middlebury()`] | bad 0.5, 1, 2, 4; avgerr; rms; A50, A90, A95, A99; density | Scharstein et al., GCPR 2014 |
 //! | [`kitti()`] | D1 with holes filled, D1 of the estimates, density | Menze & Geiger, CVPR 2015 |
 //! | [`end_point()`] | mean and median end-point error, bias, sub-pixel error | |
-//! | [`histogram`], [`cumulative`] | how errors are distributed | |
 //! | [`sparsification()`] | ROC and sparsification curve, AUC, AUSE of a confidence | Hu & Mordohai, PAMI 2012; Ilg et al., ECCV 2018 |
-//! | [`masks`] | occluded, discontinuity, textureless pixels | Scharstein & Szeliski, IJCV 2002 |
+//! | [`masks`] | the pixels that both views see | |
 //!
 //! Conventions, everywhere:
 //! * disparities and errors are in pixels of the left image, the error is `estimate - truth`;
@@ -41,7 +40,6 @@
 
 mod confidence;
 mod course;
-mod distribution;
 mod end_point;
 mod error;
 mod evaluation;
@@ -55,7 +53,6 @@ mod scale;
 
 pub use confidence::{CurvePoint, RankedError, Sparsification, sparsification};
 pub use course::{Course, course};
-pub use distribution::{Cumulative, Histogram, cumulative, histogram};
 pub use end_point::{EndPoint, SubPixel, end_point};
 pub use error::ScoreError;
 pub use evaluation::{Evaluation, Scores, evaluate};

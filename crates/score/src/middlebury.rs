@@ -133,13 +133,6 @@ fn quantile(sorted: &[f64], percent: usize) -> Option<f64> {
     sorted.get(rank.checked_sub(1)?).copied()
 }
 
-impl Middlebury {
-    /// The bad pixels at one of the thresholds 0.5, 1, 2, 4.
-    pub fn bad_at(&self, threshold: f64) -> Option<&Bad> {
-        self.bad.iter().find(|bad| bad.threshold == threshold)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,7 +154,7 @@ mod tests {
         assert_eq!(got.bad.each_ref().map(shares)[0], (0.5, 0.6, 0.8, Some(0.75)));
         assert_eq!(got.bad.each_ref().map(shares)[1], (1.0, 0.4, 0.6, Some(0.5)));
         assert_eq!(got.bad.each_ref().map(shares)[2], (2.0, 0.4, 0.6, Some(0.5)));
-        assert_eq!(got.bad_at(4.0).map(shares), Some((4.0, 0.2, 0.4, Some(0.25))));
+        assert_eq!(got.bad.each_ref().map(shares)[3], (4.0, 0.2, 0.4, Some(0.25)));
         assert_eq!(got.avgerr, Some(9.5 / 4.0));
         assert_eq!(got.rms, Some(f64::sqrt((0.25 + 1.0 + 9.0 + 25.0) / 4.0)));
         assert_eq!((got.a50, got.a90, got.density), (Some(1.0), Some(5.0), 0.8));

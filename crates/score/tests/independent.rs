@@ -5,8 +5,7 @@ use arbtest::arbitrary::{Result, Unstructured};
 use arbtest::arbtest;
 use raster::{BoundingBox, Plane};
 use score::{
-    Evaluation, RankedError, Region, Scores, cumulative, evaluate, fill_from_background, histogram,
-    masks, sparsification,
+    Evaluation, RankedError, Region, Scores, evaluate, fill_from_background, sparsification,
 };
 
 /// A random scene: about one pixel in eight has no truth, one in eight no estimate.
@@ -285,32 +284,6 @@ fn end_point_errors() {
     });
 }
 
-#[test]
-fn distributions() {
-    arbtest(|u| {
-        let case = Case::random(u)?;
-        let evaluation = Evaluation::new(&case.estimate, &case.truth).unwrap();
-        let Ok(pixels) = evaluation.pixels(&case.region()) else { return Ok(()) };
-        let naive = case.pixels();
-        // Halves and quarters: every edge is exact.
-        let got = histogram(&pixels, 2.0, 8).unwrap();
-        for (i, &count) in got.counts.iter().enumerate() {
-            let (from, to) = (-2.0 + 0.5 * i as f64, -1.5 + 0.5 * i as f64);
-            let inside = naive.iter().filter(|(_, _, e, t)| e - t >= from && e - t < to).count();
-            assert_eq!(count, inside);
-        }
-        let inside: usize = got.counts.iter().sum();
-        assert_eq!(inside + got.below + got.above + got.holes, naive.len());
-
-        let scores = case.scores().unwrap();
-        for point in cumulative(&pixels, &[0.5, 1.0, 2.0, 4.0]) {
-            let totbad = scores.middlebury.bad_at(point.threshold).unwrap().totbad;
-            close(point.share, 1.0 - totbad);
-        }
-        Ok(())
-    });
-}
-
 /// The area under the curve as the mean over all orders that agree with the confidence would give
 /// it: of the k most confident, whole groups count fully and the last group by its share.
 fn naive_area(ranked: &[(f64, f64)]) -> f64 {
@@ -364,48 +337,6 @@ fn areas_under_the_sparsification_curve() {
             let last = got.curve.last().unwrap();
             close(last.error, last.oracle);
             close(last.density, 1.0);
-        }
-        Ok(())
-    });
-}
-
-#[test]
-fn masks_of_hard_pixels() {
-    arbtest(|u| {
-        let case = Case::random(u)?;
-        let (columns, rows) = case.truth.size();
-        let edges = masks::discontinuity(&case.truth, 2.0, 5);
-        let flat = masks::textureless(&case.confidence, 3, 0.1);
-        let at = |x: i64, y: i64| {
-            let inside = x >= 0 && y >= 0 && x < columns as i64 && y < rows as i64;
-            inside.then(|| (case.truth.row(y as usize)[x as usize], x, y))
-        };
-        for y in 0..rows as i64 {
-            for x in 0..columns as i64 {
-                let mut near_edge = false;
-                let (mut sum, mut count) = (0.0, 0.0);
-                for dy in -2..=2 {
-                    for dx in -2..=2 {
-                        let Some((here, px, py)) = at(x + dx, y + dy) else { continue };
-                        for (nx, ny) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
-                            let other = at(px + nx, py + ny).map_or(f32::NAN, |(d, _, _)| d);
-                            near_edge |= (other - here).abs() > 2.0;
-                        }
-                        if dx.abs() <= 1 && dy.abs() <= 1 && columns > 1 {
-                            let row = case.confidence.row(py as usize);
-                            let x = (px as usize).min(columns - 2);
-                            sum += (row[x + 1] - row[x]).powi(2);
-                            count += 1.0;
-                        }
-                    }
-                }
-                assert_eq!(edges.row(y as usize)[x as usize], near_edge);
-                let mean: f32 = if count > 0.0 { sum / count } else { 0.0 };
-                // Sums in another order differ in the last bits.
-                if (mean - 0.1).abs() > 1e-5 {
-                    assert_eq!(flat.row(y as usize)[x as usize], mean < 0.1);
-                }
-            }
         }
         Ok(())
     });

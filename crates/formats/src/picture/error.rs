@@ -4,7 +4,7 @@ use raster::Plane;
 
 use super::{BLACK, SizesDiffer};
 
-/// Truth, but no estimate: a green that neither error picture uses otherwise.
+/// Truth, but no estimate: a green that no error is shown in.
 pub const HOLE: [u8; 3] = [0, 200, 0];
 
 /// Where each of [`LOG_ERROR_COLOURS`] begins, in units of the error that KITTI calls wrong.
@@ -42,22 +42,6 @@ pub fn log_error(
         let n = (error / 3.0).min(20.0 * error / truth.abs());
         let above = LOG_ERROR_STEPS.iter().filter(|&&step| n >= step).count();
         LOG_ERROR_COLOURS[above.max(1) - 1]
-    })
-}
-
-/// Estimate minus truth: blue where it is too small (too far away), white where it is right, red
-/// where it is too large; fully blue or red from `limit` pixels on. No truth is black, no estimate
-/// is [`HOLE`], and `non_occluded` works as in [`log_error`].
-pub fn signed_error(
-    estimate: &Plane<f32>,
-    truth: &Plane<f32>,
-    non_occluded: Option<&Plane<bool>>,
-    limit: f32,
-) -> Result<Plane<[u8; 3]>, SizesDiffer> {
-    picture(estimate, truth, non_occluded, |estimate, truth| {
-        let part = (estimate - truth) / limit.max(f32::MIN_POSITIVE);
-        let rest = (255.0 * (1.0 - part.abs().min(1.0))).round() as u8;
-        if part < 0.0 { [rest, rest, 255] } else { [255, rest, rest] }
     })
 }
 
@@ -128,15 +112,6 @@ mod tests {
         let mask = Plane::new(4, 1, vec![false, true, false, false]).unwrap();
         let picture = log_error(&estimate, &truth, Some(&mask)).unwrap();
         assert_eq!(picture.samples(), [BLACK, HOLE, [24, 27, 74], [0, 100, 0]]);
-    }
-
-    #[test]
-    fn sign_tells_blue_from_red() {
-        let picture =
-            signed_error(&row(&[8.0, 9.0, 10.0, 11.0, 99.0]), &row(&[10.0; 5]), None, 2.0).unwrap();
-        let expected =
-            [[0, 0, 255], [128, 128, 255], [255, 255, 255], [255, 128, 128], [255, 0, 0]];
-        assert_eq!(picture.samples(), expected);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use std::path::Path;
 use raster::Plane;
 
 pub use colour_map::ColourMap;
-pub use error::{HOLE, LOG_ERROR_COLOURS, LOG_ERROR_STEPS, log_error, signed_error};
+pub use error::{HOLE, LOG_ERROR_COLOURS, LOG_ERROR_STEPS, log_error};
 pub use maps::{confidence, disparity, reason_colour, reasons, value_range};
 
 use crate::{FormatError, png, write_atomically};
