@@ -69,12 +69,13 @@ fn admit(
     }
 }
 
-/// Takes filled values out again, and says what each hole is.
+/// Takes filled values out again, of which nothing is then known, and says what each hole is.
 pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
     for y in bounds.y0..=bounds.y1 {
         let values = &mut map.values.row_mut(y)[bounds.x0..=bounds.x1];
         let reasons = &mut map.reasons.row_mut(y)[bounds.x0..=bounds.x1];
-        for (value, reason) in values.iter_mut().zip(reasons) {
+        let confidence = &mut map.confidence.row_mut(y)[bounds.x0..=bounds.x1];
+        for ((value, reason), sure) in values.iter_mut().zip(reasons).zip(confidence) {
             *reason = match *reason {
                 Reason::OccludedFilled => Reason::OccludedHole,
                 Reason::MismatchedFilled => Reason::MismatchedHole,
@@ -82,7 +83,7 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
                 other => other,
             };
             if !reason.has_value() {
-                *value = f32::NAN;
+                (*value, *sure) = (f32::NAN, 0.0);
             }
         }
     }

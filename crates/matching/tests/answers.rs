@@ -178,13 +178,15 @@ fn kept_holes_are_the_filled_pixels() {
         let kept = compute(keep, &images, None);
         let pairs = kept.values.samples().iter().zip(filled.values.samples());
         let reasons = kept.reasons.samples().iter().zip(filled.reasons.samples());
+        let told = reasons.zip(kept.confidence.samples().iter().zip(filled.confidence.samples()));
         let mut holes = [0; 8];
-        for ((kept, filled), (reason, filled_reason)) in pairs.zip(reasons) {
+        for ((kept, filled), ((reason, filled_reason), (sure, filled_sure))) in pairs.zip(told) {
             holes[*reason as usize] += 1;
             assert_eq!(reason.has_value(), !kept.is_nan());
+            assert!(reason.has_value() || *sure == 0.0, "{preset} is sure of {reason:?}: {sure}");
             assert_eq!(reason.has_value(), *filled_reason == Reason::Matched);
             if reason.has_value() {
-                assert_eq!(kept, filled);
+                assert_eq!((kept, sure), (filled, filled_sure));
             }
         }
         for reason in [Reason::Matched, Reason::OccludedHole, Reason::MismatchedHole] {
