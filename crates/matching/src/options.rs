@@ -107,12 +107,13 @@ impl Options {
                 allowed: "it must be from 1 to 1024".into(),
             });
         }
-        // Disparities are kept as 16-bit whole numbers inside; images wider than this do not exist.
+        // A disparity's place in the range is a number of 16 bits inside: the longest range between
+        // these limits has fewer places than such numbers can tell apart.
         let limit = i32::from(i16::MAX) / 2;
         for (field, value) in
             [("min-disparity", self.range.min()), ("max-disparity", self.range.max())]
         {
-            if value.abs() > limit {
+            if !(-limit..=limit).contains(&value) {
                 return Err(MatchError::Option {
                     field,
                     value: value.to_string(),
@@ -121,5 +122,32 @@ impl Options {
             }
         }
         ingredient::check(self.preset, &self.without)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_that_reaches_beyond_the_limits_is_refused_at_either_end() {
+        let check =
+            |min, max| Options::new(Preset::Fast, DisparityRange::new(min, max).unwrap()).check();
+        assert_eq!(check(-16_383, 16_383), Ok(()));
+        for (min, max, field, value) in [
+            (-16_384, 0, "min-disparity", -16_384),
+            (i32::MIN, 0, "min-disparity", i32::MIN),
+            (i32::MAX, i32::MAX, "min-disparity", i32::MAX),
+            (0, 16_384, "max-disparity", 16_384),
+            (0, i32::MAX, "max-disparity", i32::MAX),
+        ] {
+            let error = check(min, max).unwrap_err();
+            let expected = MatchError::Option {
+                field,
+                value: value.to_string(),
+                allowed: "it must be from -16383 to 16383 pixels".into(),
+            };
+            assert_eq!(error, expected);
+        }
     }
 }
