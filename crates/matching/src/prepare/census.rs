@@ -111,32 +111,55 @@ mod tests {
     use super::*;
     use raster::Plane;
 
-    #[test]
-    fn a_word_counts_the_darker_neighbours() {
-        let image = Plane::<u16>::from_fn(9, 7, |x, y| ((x * 37 + y * 91) % 50) as u16);
-        for level in Level::available() {
-            for (y, pairs) in (0..7).flat_map(|y| [(y, false), (y, true)]) {
-                let mut words = [u32::MAX; 9];
-                let view = GreyView::Depth16(image.view());
-                CensusRows::default().words(level, view, y, pairs, &mut words);
-                for (x, word) in words.into_iter().enumerate() {
-                    let mut expected = 0u32;
-                    let at =
-                        |u: i64, v: i64| image.row(v.clamp(0, 6) as usize)[u.clamp(0, 8) as usize];
-                    for dy in -2..=2 {
-                        for dx in -3..=3 {
-                            if [(0, 0), (-3, -2), (3, 2)].contains(&(dx, dy)) {
-                                continue;
-                            }
-                            // -3, -1, 1 and 3 are columns 0, 2, 4 and 6 of the window.
-                            // As -1 and 1 are rows 1 and 3.
-                            let x = x as i64 + i64::from(pairs && dy % 2 != 0);
-                            let y = y as i64 + i64::from(pairs && dx % 2 == 0);
-                            expected = expected << 1 | u32::from(at(x + dx, y + dy) < at(x, y));
-                        }
-                    }
-                    assert_eq!(word, expected, "({x}, {y})");
+    const HEIGHT: usize = 7;
+
+    /// The word of a pixel, bit by bit.
+    fn definition(image: &Plane<u16>, (x, y): (usize, usize), pairs: bool) -> u32 {
+        let at = |u: i64, v: i64| {
+            let (last_column, last_row) = (image.columns() as i64 - 1, image.rows() as i64 - 1);
+            image.row(v.clamp(0, last_row) as usize)[u.clamp(0, last_column) as usize]
+        };
+        let mut word = 0;
+        for dy in -2..=2 {
+            for dx in -3..=3 {
+                if [(0, 0), (-3, -2), (3, 2)].contains(&(dx, dy)) {
+                    continue;
                 }
+                // -3, -1, 1 and 3 are columns 0, 2, 4 and 6 of the window.
+                // As -1 and 1 are rows 1 and 3.
+                let x = x as i64 + i64::from(pairs && dy % 2 != 0);
+                let y = y as i64 + i64::from(pairs && dx % 2 == 0);
+                word = word << 1 | u32::from(at(x + dx, y + dy) < at(x, y));
+            }
+        }
+        word
+    }
+
+    fn check(level: Level, rows: &mut CensusRows, image: &Plane<u16>, view: GreyView<'_>) {
+        for (y, pairs) in (0..HEIGHT).flat_map(|y| [(y, false), (y, true)]) {
+            let mut words = vec![u32::MAX; image.columns()];
+            rows.words(level, view, y, pairs, &mut words);
+            for (x, word) in words.into_iter().enumerate() {
+                let expected = definition(image, (x, y), pairs);
+                assert_eq!(word, expected, "({x}, {y}) of {} columns, {pairs}", image.columns());
+            }
+        }
+    }
+
+    #[test]
+    fn a_word_counts_the_darker_neighbours_at_every_level() {
+        let scramble = |x: usize, y: usize| x * 7919 + y * 104_729 + x * x * y * 31 + x * x * 17;
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            // The memory of one width serves the next.
+            let mut rows = CensusRows::default();
+            for columns in [100, 1, 9, 31, 32, 33] {
+                // Few grey values, so that neighbours are equal too.
+                let narrow = Plane::from_fn(columns, HEIGHT, |x, y| (scramble(x, y) % 50) as u8);
+                let image = narrow.map(|&grey| grey.into());
+                check(level, &mut rows, &image, GreyView::Depth8(narrow.view()));
+                let wide = Plane::from_fn(columns, HEIGHT, |x, y| scramble(x, y) as u16);
+                check(level, &mut rows, &wide, GreyView::Depth16(wide.view()));
             }
         }
     }
