@@ -84,3 +84,61 @@ at_every_level! {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::network::tests::{COLUMNS, ROUNDED, ROWS, definition, image};
+    use super::*;
+
+    #[test]
+    fn a_bit_is_set_where_its_channel_is_above_zero() {
+        let channel = |i: usize| [1, 0, -1, 40, i16::MIN, i16::MAX, -40][i * i % 37 % 7];
+        let pixels: Vec<Pair> = (0..32 * 9).map(|i| [channel(2 * i), channel(2 * i + 1)]).collect();
+        let expected: Vec<u64> = (0..9)
+            .map(|x| (0..64).map(|i| u64::from(channel(64 * x + i) > 0) << i).sum())
+            .collect();
+        for level in Level::available() {
+            let mut words = vec![u64::MAX; 9];
+            signs(level, &pixels, &mut words);
+            assert_eq!(words, expected, "level {}", level.name());
+        }
+    }
+
+    #[test]
+    fn descriptors_are_the_signs_of_the_network_whatever_the_bands() {
+        let image = image();
+        let view = GreyView::Depth8(image.view());
+        let expected = definition(&Normalized::new(view));
+        // Some rows of some columns, so that bands end within them and the last is shorter.
+        let (left, first) = (5, 3);
+        let (columns, rows) = (COLUMNS - left - 2, ROWS - first - 6);
+        let mut found: Option<Plane<u64>> = None;
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            let mut descriptors = Descriptors::default();
+            for threads in [1, 7, 2, 3, 50] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let mut words = Plane::filled(columns, rows, 0);
+                let put = |row: &[u64], to: &mut [u64]| to.copy_from_slice(&row[left..][..columns]);
+                pool.install(|| descriptors.compute(level, view, first, &mut words, put));
+                let found = found.get_or_insert_with(|| words.clone());
+                assert!(words == *found, "{threads} threads");
+            }
+        }
+        let found = found.expect("there is a level");
+        let mut told = 0;
+        for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
+            let channels = &expected[((first + y) * COLUMNS + left + x) * 64..][..64];
+            for (i, &channel) in channels.iter().enumerate() {
+                // What lies nearer to zero may be rounded to its other side.
+                if channel.abs() > ROUNDED * (1.0 + channel.abs()) {
+                    let bit = found.row(y)[x] >> i & 1 == 1;
+                    assert_eq!(bit, channel > 0.0, "({x}, {y}), bit {i}: {channel}");
+                    told += 1;
+                }
+            }
+        }
+        let all = 64 * columns * rows;
+        assert!(told * 10 > all * 9, "{told} of {all} bits are clear");
+    }
+}

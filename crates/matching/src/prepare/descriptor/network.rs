@@ -169,21 +169,23 @@ fn need(level: Level, image: &Normalized<'_>, held: &mut [Held], y: usize) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::kernels::products::{LANES, ONE};
     use crate::prepare::grey::GreyView;
     use raster::Plane;
 
-    const COLUMNS: usize = 37;
-    const ROWS: usize = 50;
+    pub const COLUMNS: usize = 37;
+    pub const ROWS: usize = 50;
+    /// How far a channel may lie from its definition, which does not round: this much, and as large a part of it.
+    pub const ROUNDED: f64 = 0.03;
 
-    fn image() -> Plane<u8> {
+    pub fn image() -> Plane<u8> {
         Plane::from_fn(COLUMNS, ROWS, |x, y| ((x * 7 + y * y * 3) % 90 + (x / 9) * 30) as u8)
     }
 
     /// All rows of the last layer at once, pixel by pixel, without any rounding.
-    fn definition(image: &Normalized<'_>) -> Vec<f64> {
+    pub fn definition(image: &Normalized<'_>) -> Vec<f64> {
         let (mut columns, mut rows) = (COLUMNS + 2 * REACH, ROWS + 2 * REACH);
         let mut input = vec![0.0; columns * rows];
         for (y, out) in input.chunks_exact_mut(columns).enumerate() {
@@ -236,7 +238,7 @@ mod tests {
                     let expected = &expected[y * width..];
                     for (i, (&found, &expected)) in row.iter().zip(expected).enumerate() {
                         let found = f64::from(found) / f64::from(ONE);
-                        let near = (found - expected).abs() < 0.03 * (1.0 + expected.abs());
+                        let near = (found - expected).abs() < ROUNDED * (1.0 + expected.abs());
                         assert!(near, "row {y}, number {i}: {found}, {expected}");
                     }
                 }
