@@ -101,4 +101,37 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn disparities_become_the_nearest_step_at_every_level() {
+        for (min, max) in [(0, 63), (-40, 200), (0, 999), (-16_000, 16_000)] {
+            let range = DisparityRange::new(min, max).unwrap();
+            let space = SearchSpace::new(40_000, BoundingBox::whole(40_000, 1), range);
+            let numbers = FixedPoint::new(&space);
+            let scale = numbers.scale();
+            let last = (max - min) as u16 * scale;
+            // All of these are floats without rounding: steps, a quarter more, a half, three quarters.
+            let parts = [(0.0, 0), (0.25, 0), (0.5, 1), (0.75, 1)];
+            let some = (0..=last).step_by(7).flat_map(|n| parts.map(|part| (n, part)));
+            let mut pixels: Vec<f32> = some
+                .clone()
+                .map(|(n, (part, _))| min as f32 + (f32::from(n) + part) / f32::from(scale))
+                .collect();
+            let mut expected: Vec<u16> = some.map(|(n, (_, up))| n + up).collect();
+            // Holes among them, and alone at the end.
+            for at in [0, 5, 63, 64, pixels.len() - 1] {
+                (pixels[at], expected[at]) = (f32::NAN, HOLE);
+            }
+            let all: Vec<u16> = (0..=last).chain([HOLE]).collect();
+            for level in crate::kernels::level::Level::available() {
+                let mut steps = vec![1; pixels.len()];
+                row_in_steps(level, numbers, &pixels, &mut steps);
+                assert!(steps == expected, "{min} to {max}, level {}", level.name());
+                let (mut there, mut back) = (vec![0.0; all.len()], vec![1; all.len()]);
+                row_in_pixels(level, numbers, &all, &mut there);
+                row_in_steps(level, numbers, &there, &mut back);
+                assert!(back == all, "{min} to {max} and back, level {}", level.name());
+            }
+        }
+    }
 }
