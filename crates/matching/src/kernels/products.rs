@@ -358,23 +358,34 @@ mod tests {
     use crate::kernels::level::{Level, at_every_level};
 
     at_every_level! {
-        fn add_all[products](sums: &mut [i32; LANES], shared: &[Pair], own: &[[i32; LANES]]) {
+        fn added[products](sums: &mut [i32; LANES], shared: &[Pair], own: &[[i32; LANES]]) {
             for (shared, own) in shared.iter().zip(own) {
                 products.add(sums, *shared, own);
             }
         }
+
+        fn all_added[products](sums: &mut [Sums; 8], shared: &[[Pair; 8]], own: &[Sums]) {
+            products.add_all(sums, shared, own);
+        }
+    }
+
+    fn noise(seed: usize) -> i16 {
+        let mixed = (seed as u32 ^ (seed as u32 >> 7)).wrapping_mul(0x9E37_79B1);
+        (mixed >> 16) as i16
+    }
+
+    /// The largest numbers too.
+    fn extreme(i: usize) -> i16 {
+        [i16::MIN, i16::MAX, noise(i)][i % 3]
+    }
+
+    fn half(seed: usize) -> i32 {
+        i32::from(noise(seed)) / 2
     }
 
     #[test]
     fn sums_are_their_definition_at_every_level() {
-        let noise = |seed: usize| {
-            let mixed = (seed as u32 ^ (seed as u32 >> 7)).wrapping_mul(0x9E37_79B1);
-            (mixed >> 16) as i16
-        };
-        // The largest numbers too.
-        let extreme = |i: usize| [i16::MIN, i16::MAX, noise(i)][i % 3];
         let shared: Vec<_> = (0..9).map(|i| [extreme(i), extreme(i + 1)]).collect();
-        let half = |seed: usize| i32::from(noise(seed)) / 2;
         let own: Vec<[i32; LANES]> = (0..9)
             .map(|i| std::array::from_fn(|l| packed(half(90 * i + l), half(70 * i + l))))
             .collect();
@@ -385,8 +396,33 @@ mod tests {
         for level in Level::available() {
             eprintln!("level {}", level.name());
             let mut sums = std::array::from_fn(|l| l as i32 - 7);
-            add_all(level, &mut sums, &shared, &own);
+            added(level, &mut sums, &shared, &own);
             assert_eq!(sums, expected);
+        }
+    }
+
+    #[test]
+    fn sums_that_grow_together_are_their_definition_at_every_level() {
+        let begin: [Sums; 8] =
+            std::array::from_fn(|n| Line(std::array::from_fn(|l| (100 * n + l) as i32 - 7)));
+        // None, one, and more pairs than there are registers.
+        for pairs in [0, 1, 9, 40] {
+            let shared: Vec<[Pair; 8]> = (0..pairs)
+                .map(|i| std::array::from_fn(|n| [extreme(5 * i + n), noise(11 * i + n) / 4]))
+                .collect();
+            let own: Vec<Sums> = (0..pairs)
+                .map(|i| {
+                    let lane = |l| packed(half(90 * i + l) / 8, half(70 * i + l) / 8);
+                    Line(std::array::from_fn(lane))
+                })
+                .collect();
+            let mut expected = begin;
+            Plain.add_all(&mut expected, &shared, &own);
+            for level in Level::available() {
+                let mut sums = begin;
+                all_added(level, &mut sums, &shared, &own);
+                assert_eq!(sums, expected, "{pairs} pairs, level {}", level.name());
+            }
         }
     }
 

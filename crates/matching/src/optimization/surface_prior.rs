@@ -138,4 +138,45 @@ mod tests {
             assert_eq!(rises[1][10], -expected, "row {y}");
         }
     }
+
+    #[test]
+    fn rises_are_their_definition_at_every_level() {
+        let number = |i: usize| (i * i * 37 % 101) as f32 / 50.0 - 1.0;
+        let mut surfaces = Plane::from_fn(75, 2, |x, y| Surface {
+            disparity: 20.0 + 9.0 * number(x + 3 * y),
+            along: STEEPEST * number(x + 80),
+            down: STEEPEST * number(x + 170),
+        });
+        // Halves of a disparity before and behind a step, and a pixel without a plane.
+        for (x, along, down) in [(9, 0.5, 0.0), (10, 0.0, -0.5), (11, -0.25, 0.25)] {
+            surfaces.row_mut(1)[x] = Surface { disparity: 7.5, along, down };
+        }
+        surfaces.row_mut(1)[40] = Surface::default();
+        let prior = SurfacePrior { surfaces, ..SurfacePrior::default() };
+        for (level, reverse) in
+            Level::available().into_iter().flat_map(|level| [(level, false), (level, true)])
+        {
+            let mut rises = std::array::from_fn(|_| vec![9; 75]);
+            prior.rises(level, 1, reverse, &mut rises);
+            let mut others = 0;
+            for (x, &Surface { disparity, along, down }) in prior.surfaces.row(1).iter().enumerate()
+            {
+                let (first, sign) = if reverse { (74, -1) } else { (0, 1) };
+                // From `p` to `q` before it, and where there is no such pixel.
+                for (path, dx, dy, begins) in [
+                    (0, -1, -sign, x == 0),
+                    (1, 0, -sign, false),
+                    (2, 1, -sign, x == 74),
+                    (3, -sign, 0, x == first),
+                ] {
+                    let before = disparity + (dx as f32 * along + dy as f32 * down);
+                    let rise = ((disparity + 0.5).floor() - (before + 0.5).floor()) as i8;
+                    let expected = if begins { 0 } else { rise };
+                    assert_eq!(rises[path][x], expected, "path {path}, column {x}, {level:?}");
+                    others += usize::from(expected != 0);
+                }
+            }
+            assert!(others > 40, "{others} rises");
+        }
+    }
 }

@@ -106,10 +106,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_those_on_the_way() {
+    fn steps_are_those_on_the_way_at_every_level() {
         let grey = Plane::from_fn(30, 9, |x, y| ((x * x * 13 + y * 57 + x * y * 5) % 251) as u8);
-        let mut edges = Edges::default();
-        edges.compute(Level::detect(), &grey);
+        for level in Level::available() {
+            let mut edges = Edges::default();
+            edges.compute(level, &grey);
+            check(&grey, &edges);
+        }
+    }
+
+    #[test]
+    fn rows_of_steps_are_their_definition_at_every_level() {
+        let grey = |i: usize| ((i * i * 31 + i * 7) % 256) as u8;
+        let (from, to): (Vec<u8>, Vec<u8>) = (0..100).map(|i| (grey(i), grey(i + 41))).unzip();
+        // Sums wrap around.
+        let above: Vec<u16> = (0..100).map(|i| 65_500 + i % 36).collect();
+        let expected: Vec<u16> = (0..100)
+            .map(|i| above[i].wrapping_add(u16::from(from[i].abs_diff(to[i]).clamp(3, 43) - 3)))
+            .collect();
+        assert!(expected.iter().any(|&sum| sum < 40) && expected.iter().any(|&sum| sum > 65_500));
+        for level in Level::available() {
+            for columns in [0, 1, 31, 100] {
+                let mut sums = vec![9; columns];
+                add_steps(level, &above, &from, &to, &mut sums);
+                assert_eq!(sums, expected[..columns], "level {}", level.name());
+            }
+        }
+    }
+
+    /// Some ways of each direction, pixel by pixel.
+    fn check(grey: &Plane<u8>, edges: &Edges) {
         let ways: [((i32, i32), (i32, i32)); 9] = [
             ((0, 0), (3, 3)),
             ((7, 0), (20, 0)),
