@@ -10,7 +10,8 @@
 //!
 //! A round looks at the map as it was before: rows can be done in any order, by any number of
 //! threads. What a pixel takes is what its neighbours choose from in the next round, so what is right
-//! spreads: the last judge is asked again and again, where the map moved.
+//! spreads. Each round has a judge of its own (`jury`); after the first one it is asked only where the
+//! map moved in the round before (`rounds`).
 
 mod block;
 pub(crate) mod certainty;
