@@ -1,6 +1,6 @@
 //! A matcher that has seen one frame allocates nothing for the next of that size.
 
-use matching::{Matcher, Options, Preset};
+use matching::{Ingredient, Matcher, Options, Preset};
 use peak_alloc::PeakAlloc;
 use raster::{DisparityRange, Image, Plane};
 
@@ -27,12 +27,24 @@ fn frames_after_the_first_allocate_nothing() {
         (Preset::Best, None, 4),
     ] {
         for threads in [1, 2, 4] {
-            frames_after_the_first(preset, memory, threads, frames);
+            let mut options = options(preset);
+            (options.threads, options.memory) = (threads, memory);
+            frames_after_the_first(options, frames);
         }
+    }
+    // What is done in the place of what is left out.
+    for without in Ingredient::of(Preset::Balanced) {
+        let mut options = options(Preset::Balanced);
+        (options.threads, options.without) = (2, vec![*without]);
+        frames_after_the_first(options, 3);
     }
 }
 
-fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize, frames: usize) {
+fn options(preset: Preset) -> Options {
+    Options::new(preset, DisparityRange::new(0, DISPARITIES - 1).unwrap())
+}
+
+fn frames_after_the_first(options: Options, frames: usize) {
     let (columns, rows) = SIZE;
     let texture = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * x * y * 31) as u8;
     // Two rows higher in the right image: there is vertical disparity to be taken out.
@@ -42,8 +54,9 @@ fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize,
     let pair = |shift: usize| [(0, 0), (shift, 2)].map(|by| Image::Grey8(image(by)));
     let pairs = [pair(3), pair(11)];
     let rectified = [0, 3].map(|along| Image::Grey8(image((along, 0))));
-    let mut options = Options::new(preset, DisparityRange::new(0, DISPARITIES - 1).unwrap());
-    (options.threads, options.memory) = (threads, memory);
+    let Options { preset, threads, .. } = options;
+    let mends = preset != Preset::Fast && !options.without.contains(&Ingredient::VerticalAlignment);
+    let what = format!("{options:?}");
     let mut matcher = Matcher::new(options).unwrap();
     let frame = |matcher: &mut Matcher, i: usize| {
         let [left, right] = &pairs[i % 2];
@@ -55,8 +68,7 @@ fn frames_after_the_first(preset: Preset, memory: Option<usize>, threads: usize,
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
     (0..frames).for_each(|i| frame(&mut matcher, i));
-    assert_eq!(matcher.vertical_disparity().is_some(), preset != Preset::Fast);
-    let what = format!("{preset} with {threads} threads and limit {memory:?}");
+    assert_eq!(matcher.vertical_disparity().is_some(), mends, "{what}");
     // An allocation that was given back again has raised the peak all the same.
     let peak = MEMORY.peak_usage().saturating_sub(before);
     let pool = QUEUE * threads;

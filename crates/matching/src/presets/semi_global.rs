@@ -61,6 +61,8 @@ pub(crate) struct SemiGlobalMatching {
     pair: Pair,
     /// What was taken out of the right image of the last frame.
     vertical: Option<VerticalDisparity>,
+    /// What stands for the grey of both images where grey steps do not count: it has none, so it is never written.
+    flat: Plane<u8>,
     features: FeaturePair,
     /// The grey of what is matched, whose steps the penalties go by.
     guide: Plane<u8>,
@@ -111,6 +113,7 @@ impl SemiGlobalMatching {
             memory,
             pair: Pair::default(),
             vertical: None,
+            flat: Plane::default(),
             features: FeaturePair::default(),
             guide: Plane::default(),
             doubtful: Plane::default(),
@@ -374,12 +377,14 @@ impl Pipeline for SemiGlobalMatching {
         let confidence = sure.samples_mut();
         let chooses = space.count > 0 && ingredients.has(Ingredient::LearnedChoice);
         if space.count > 0 {
-            // Flat grey has no gradient.
-            let flat = match ingredients.has(Ingredient::Gradient) {
-                true => None,
-                false => Some(Plane::filled(width, height, 0)),
+            let stepped = match ingredients.has(Ingredient::Gradient) {
+                true => grey,
+                false => {
+                    self.flat.reshape(width, height, 0);
+                    [self.flat.view(); 2]
+                }
             };
-            let seen = [0, 1].map(|i| (views[i], flat.as_ref().map_or(grey[i], Plane::view)));
+            let seen = [0, 1].map(|i| (views[i], stepped[i]));
             let features = self.features.compute(level, seen, &space, rows);
             profile.end("census and gradient", features + self.look_at_guide(search, space.apart));
             if ingredients.has(Ingredient::Descriptors) {
