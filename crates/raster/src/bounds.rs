@@ -20,6 +20,8 @@ pub struct BoundingBox {
 pub enum BoundsError {
     /// The box ends before it begins.
     Inverted(BoundingBox),
+    /// The box has more columns or rows than can be counted.
+    TooLarge(BoundingBox),
     /// The box leaves an image of this many columns and rows.
     Outside(BoundingBox, usize, usize),
     /// The largest disparity is below the smallest.
@@ -32,6 +34,11 @@ impl fmt::Display for BoundsError {
             Self::Inverted(b) => write!(
                 f,
                 "the box {b} ends before it begins: give x0,y0,x1,y1 with x0 <= x1 and y0 <= y1"
+            ),
+            Self::TooLarge(b) => write!(
+                f,
+                "the box {b} has more columns or rows than can be counted: give x1 and y1 inside \
+                 an image"
             ),
             Self::Outside(b, columns, rows) => write!(
                 f,
@@ -58,10 +65,17 @@ impl fmt::Display for BoundingBox {
 }
 
 impl BoundingBox {
-    /// The box from `(x0, y0)` to `(x1, y1)`, both part of it.
+    /// The box from `(x0, y0)` to `(x1, y1)`, both part of it. Errors when it ends before it begins, or
+    /// has more columns or rows than can be counted.
     pub fn new(x0: usize, y0: usize, x1: usize, y1: usize) -> Result<Self, BoundsError> {
         let this = Self { x0, y0, x1, y1 };
-        if x0 <= x1 && y0 <= y1 { Ok(this) } else { Err(BoundsError::Inverted(this)) }
+        if x0 > x1 || y0 > y1 {
+            Err(BoundsError::Inverted(this))
+        } else if x1 - x0 == usize::MAX || y1 - y0 == usize::MAX {
+            Err(BoundsError::TooLarge(this))
+        } else {
+            Ok(this)
+        }
     }
 
     /// All of an image. Panics when the image has no pixel.
@@ -137,6 +151,16 @@ mod tests {
         assert!(b.contains(2, 5) && !b.contains(2, 6) && !b.contains(1, 4));
         assert!(b.check_within(3, 6).is_ok());
         assert_eq!(b.check_within(3, 5), Err(BoundsError::Outside(b, 3, 5)));
+    }
+
+    #[test]
+    fn a_box_whose_sides_cannot_be_counted_is_refused() {
+        for (x1, y1) in [(usize::MAX, 0), (0, usize::MAX)] {
+            let error = BoundingBox::new(0, 0, x1, y1).unwrap_err();
+            assert_eq!(error, BoundsError::TooLarge(BoundingBox { x0: 0, y0: 0, x1, y1 }));
+        }
+        let wide = BoundingBox::new(1, 0, usize::MAX, 0).unwrap();
+        assert_eq!(wide.columns(), usize::MAX);
     }
 
     #[test]

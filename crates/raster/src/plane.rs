@@ -30,6 +30,14 @@ impl fmt::Display for SizeError {
 
 impl std::error::Error for SizeError {}
 
+/// How many samples a plane of this size has.
+fn area(columns: usize, rows: usize) -> usize {
+    let area = columns.checked_mul(rows);
+    area.unwrap_or_else(|| {
+        panic!("a plane of {columns} x {rows} has more samples than can be counted")
+    })
+}
+
 /// Samples of type `T` in row order, without gaps between the rows.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Plane<T> {
@@ -49,8 +57,12 @@ impl<T> Plane<T> {
     }
 
     /// Computes every sample from its column and row, in row order.
+    ///
+    /// # Panics
+    ///
+    /// If `columns * rows` is larger than a `usize` can be.
     pub fn from_fn(columns: usize, rows: usize, mut f: impl FnMut(usize, usize) -> T) -> Self {
-        let mut samples = Vec::with_capacity(columns * rows);
+        let mut samples = Vec::with_capacity(area(columns, rows));
         for y in 0..rows {
             samples.extend((0..columns).map(|x| f(x, y)));
         }
@@ -126,12 +138,20 @@ impl<T> Plane<T> {
 
 impl<T: Clone> Plane<T> {
     /// A plane with the same `value` everywhere.
+    ///
+    /// # Panics
+    ///
+    /// If `columns * rows` is larger than a `usize` can be.
     pub fn filled(columns: usize, rows: usize, value: T) -> Self {
-        Self { columns, rows, samples: vec![value; columns * rows] }
+        Self { columns, rows, samples: vec![value; area(columns, rows)] }
     }
 
     /// Makes this a plane of `columns x rows` with the same `value` everywhere, and keeps its
     /// memory: no allocation happens unless the plane grows past its largest size so far.
+    ///
+    /// # Panics
+    ///
+    /// If `columns * rows` is larger than a `usize` can be.
     pub fn reset(&mut self, columns: usize, rows: usize, value: T) {
         self.reshape(columns, rows, value.clone());
         self.samples.fill(value);
@@ -140,10 +160,13 @@ impl<T: Clone> Plane<T> {
     /// Makes this a plane of `columns x rows` for someone who writes all of it: samples that it had are
     /// left as they are, whatever they meant, and new ones have the `value`. Memory is kept as by
     /// [`Plane::reset`].
+    ///
+    /// # Panics
+    ///
+    /// If `columns * rows` is larger than a `usize` can be. The plane is then as it was.
     pub fn reshape(&mut self, columns: usize, rows: usize, value: T) {
-        self.columns = columns;
-        self.rows = rows;
-        let needed = columns * rows;
+        let needed = area(columns, rows);
+        (self.columns, self.rows) = (columns, rows);
         // No more than is needed: planes are large, and what they take is added up beforehand.
         self.samples.reserve_exact(needed.saturating_sub(self.samples.len()));
         self.samples.resize(needed, value);
@@ -181,26 +204,6 @@ impl<T> Clone for View<'_, T> {
 impl<T> Copy for View<'_, T> {}
 
 impl<'a, T> View<'a, T> {
-    /// Borrows `samples` as rows that begin `stride` samples apart.
-    ///
-    /// Errors when a row does not fit its stride or the last row does not fit the slice.
-    pub fn new(
-        columns: usize,
-        rows: usize,
-        stride: usize,
-        samples: &'a [T],
-    ) -> Result<Self, SizeError> {
-        let needed = match rows {
-            0 => Some(0),
-            _ => stride.checked_mul(rows - 1).and_then(|n| n.checked_add(columns)),
-        };
-        if columns <= stride && needed.is_some_and(|n| n <= samples.len()) {
-            Ok(Self { samples, columns, rows, stride })
-        } else {
-            Err(SizeError { columns, rows, samples: samples.len() })
-        }
-    }
-
     /// Width in pixels.
     #[inline]
     pub fn columns(&self) -> usize {
@@ -234,8 +237,15 @@ impl<'a, T> View<'a, T> {
     }
 
     /// Every so many-th of its rows, from the first one on.
+    ///
+    /// # Panics
+    ///
+    /// If `apart` is 0.
     pub fn every_row(&self, apart: usize) -> View<'a, T> {
-        Self { rows: self.rows.div_ceil(apart), stride: self.stride * apart, ..*self }
+        assert!(apart > 0, "rows of a view are at least 1 apart, not 0");
+        // Where that is too large to be counted there is one row.
+        let stride = self.stride.saturating_mul(apart);
+        Self { rows: self.rows.div_ceil(apart), stride, ..*self }
     }
 }
 
@@ -270,13 +280,27 @@ mod tests {
     }
 
     #[test]
-    fn a_view_skips_what_lies_between_its_rows() {
-        let samples = [1, 2, 9, 3, 4];
-        let view = View::new(2, 2, 3, &samples).unwrap();
-        assert_eq!(view.row(1), [3, 4]);
-        assert_eq!(view.to_plane().samples(), [1, 2, 3, 4]);
-        assert!(View::new(2, 3, 3, &samples).is_err());
-        assert!(View::new(4, 1, 3, &samples).is_err());
+    #[should_panic(expected = "a plane of 18446744073709551615 x 2 has more samples than")]
+    #[cfg(target_pointer_width = "64")]
+    fn a_filled_plane_of_more_samples_than_can_be_counted_is_refused() {
+        Plane::filled(usize::MAX, 2, 0u8);
+    }
+
+    #[test]
+    #[should_panic(expected = "has more samples than can be counted")]
+    fn a_computed_plane_of_more_samples_than_can_be_counted_is_refused() {
+        // Wrapped around, these would be none.
+        Plane::from_fn(1 << (usize::BITS / 2), 1 << (usize::BITS / 2), |_, _| 0u8);
+    }
+
+    #[test]
+    fn a_plane_that_cannot_be_reshaped_stays_as_it_was() {
+        let mut plane = Plane::filled(2, 3, 1u8);
+        let reshaped = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            plane.reshape(usize::MAX, usize::MAX, 0);
+        }));
+        assert!(reshaped.is_err());
+        assert_eq!(plane, Plane::filled(2, 3, 1));
     }
 
     #[test]
@@ -295,6 +319,13 @@ mod tests {
         assert_eq!(part.every_row(2).to_plane().samples(), [1, 2, 21, 22, 41, 42]);
         assert_eq!(part.every_row(4).to_plane().samples(), [1, 2, 41, 42]);
         assert_eq!(part.every_row(1).to_plane().samples(), part.to_plane().samples());
+        assert_eq!(part.every_row(usize::MAX).to_plane().samples(), [1, 2]);
+    }
+
+    #[test]
+    #[should_panic(expected = "at least 1 apart")]
+    fn rows_that_are_not_apart_are_refused() {
+        Plane::filled(3, 5, 0u8).view().every_row(0);
     }
 
     #[test]
