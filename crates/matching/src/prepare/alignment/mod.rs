@@ -350,4 +350,16 @@ mod tests {
         let low = |x: usize| grey.row(80)[x] & 0xff;
         assert!((1..200).any(|x| low(x) != low(0)), "the lower bits are interpolated too");
     }
+
+    #[test]
+    fn images_without_room_for_a_corner_have_no_cells() {
+        for (narrow, long) in (0..=2 * MARGIN).flat_map(|n| [(n, 1), (n, 500), (n, 100_000)]) {
+            for (columns, rows) in [(narrow, long), (long, narrow)] {
+                let (across, down) = cells(columns, rows);
+                assert_eq!(across * down, 0, "{columns} x {rows}");
+            }
+        }
+        let (across, down) = cells(2 * MARGIN + 1, 2 * MARGIN + 1);
+        assert_eq!(across * down, 1);
+    }
 }

@@ -5,6 +5,7 @@
 
 use raster::View;
 
+use super::correspondence::MARGIN;
 use super::model::VerticalDisparity;
 use crate::kernels::cubic::cubic;
 use crate::kernels::level::at_every_level;
@@ -12,6 +13,8 @@ use crate::kernels::rounding::nearest;
 
 /// Columns that are taken from the same four rows.
 const LANES: usize = 16;
+// Corners keep this far from both borders, so only images that are wider have vertical disparity.
+const _: () = assert!(LANES <= 2 * MARGIN);
 
 /// Operations on bytes per pixel: a place and a cubic of 20 operations of 32 bits.
 pub(super) const OPERATIONS: usize = 20 * 4;
@@ -83,17 +86,11 @@ fn resample<T: Grey>(image: View<'_, T>, vertical: &VerticalDisparity, y: usize,
         let x = block * LANES;
         *out = block_at(image, x, y, first + step * x as f32, step);
     }
-    if !rest.is_empty() && columns >= LANES {
+    if !rest.is_empty() {
         // The last block overlaps the one before it.
         let x = columns - LANES;
         let last = block_at(image, x, y, first + step * x as f32, step);
         rest.copy_from_slice(&last[LANES - rest.len()..]);
-    } else {
-        for (x, out) in rest.iter_mut().enumerate() {
-            let down = first + step * x as f32;
-            let [a, b, c, d] = rows(image, y, down);
-            *out = between(a[x], b[x], c[x], d[x], down - down.floor());
-        }
     }
 }
 
