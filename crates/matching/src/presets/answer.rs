@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use super::view::Search;
 use crate::ingredient::Ingredient;
 use crate::kernels::level::at_every_level;
-use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::profile::Work;
+use crate::refinement::median_in_steps::{Medians, Steps};
 use crate::refinement::rows_between::{self, All, Matched};
-use crate::selection::fixed_point::row_in_pixels;
 
 /// Between two matched columns or rows that differ by no more, in pixels, a pixel lies halfway.
 pub(super) const ONE_SURFACE: f32 = 3.0;
@@ -21,8 +20,7 @@ const FILLED: f32 = 0.05;
 pub(super) struct Answer {
     /// The left view in fixed point, with the rows between.
     steps: Plane<u16>,
-    /// Rows of medians, one for each thread.
-    medians: Vec<Vec<u16>>,
+    medians: Medians,
 }
 
 impl Answer {
@@ -62,28 +60,10 @@ impl Answer {
         values: &mut Plane<f32>,
     ) -> Work {
         let Search { ingredients, level, work, numbers, .. } = search;
-        let (dx, dy) = (bounds.x0 - work.x0, bounds.y0 - work.y0);
-        let width = values.columns();
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
-        self.medians.resize_with(bounds.rows().div_ceil(height), Vec::new);
-        let steps = &self.steps;
-        let rows = &mut values.samples_mut()[bounds.y0 * width..(bounds.y1 + 1) * width];
-        let bands = self.medians.par_iter_mut().zip(rows.par_chunks_mut(height * width));
-        bands.enumerate().for_each(|(i, (medians, rows))| {
-            medians.resize(work.columns(), 0);
-            for (y, row) in (dy + i * height..).zip(rows.chunks_exact_mut(width)) {
-                if ingredients.has(Ingredient::Median) {
-                    median_of_5_rows(level, rows_around(steps, y), medians);
-                } else {
-                    medians.copy_from_slice(steps.row(y));
-                }
-                let row = &mut row[bounds.x0..=bounds.x1];
-                row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
-            }
-        });
-        let median = if ingredients.has(Ingredient::Median) { median::OPERATIONS } else { 0 };
-        let pixel = Work::bytes(2 + 4) + Work::operations(median);
-        pixel * (bounds.columns() * bounds.rows())
+        let map = Steps { steps: &self.steps, numbers, first: (work.x0, work.y0) };
+        let smooths = ingredients.has(Ingredient::Median);
+        self.medians.of_box(level, smooths, map, bounds, height, values)
     }
 }
 

@@ -8,15 +8,15 @@ use crate::MatchError;
 use crate::aggregation::window::SlidingWindow;
 use crate::cost::SearchSpace;
 use crate::kernels::level::Level;
-use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::kernels::sad;
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
 use crate::profile::{Profile, Work};
 use crate::refinement::groups::Groups;
+use crate::refinement::median_in_steps::{Medians, Steps};
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
-use crate::selection::fixed_point::{FixedPoint, HOLE, row_in_pixels};
+use crate::selection::fixed_point::{FixedPoint, HOLE};
 
 /// Neighbours of one group differ by at most so many pixels.
 const GROUP_STEP: f32 = 1.0;
@@ -30,16 +30,11 @@ const SAME_SURFACE: f32 = 5.0;
 pub(crate) struct Fast {
     level: Level,
     grey: [GreyBuffer; 2],
-    bands: Vec<Band>,
+    /// Of each band of rows.
+    windows: Vec<SlidingWindow>,
     disparities: Plane<u16>,
     groups: Groups,
-}
-
-/// The scratch memory of one band of rows.
-#[derive(Default)]
-struct Band {
-    window: SlidingWindow,
-    medians: Vec<u16>,
+    medians: Medians,
 }
 
 impl Fast {
@@ -47,9 +42,10 @@ impl Fast {
         Self {
             level,
             grey: Default::default(),
-            bands: Vec::new(),
+            windows: Vec::new(),
             disparities: Plane::default(),
             groups: Groups::default(),
+            medians: Medians::default(),
         }
     }
 
@@ -65,7 +61,7 @@ impl Fast {
         let space = SearchSpace::new(frame.size().0, frame.bounds, frame.range);
         let numbers = FixedPoint::new(&space);
         self.disparities.reshape(columns, rows, HOLE);
-        self.bands.resize_with(rows.div_ceil(height), Band::default);
+        self.windows.resize_with(rows.div_ceil(height), SlidingWindow::default);
         let mut gaps = Work::default();
         if space.count > 0 {
             let work = self.find_winners(frame, &space, numbers, height, map);
@@ -102,25 +98,18 @@ impl Fast {
         let [left, right] = &mut self.grey;
         let images = [left.view(level, frame.left), right.view(level, frame.right)];
         let confidence = rows_of_box(frame, &mut map.confidence);
-        self.bands
+        self.windows
             .par_iter_mut()
             .zip(self.disparities.samples_mut().par_chunks_mut(height * columns))
             .zip(confidence.par_chunks_mut(height * width))
             .enumerate()
-            .for_each(|(i, ((band, disparities), confidence))| {
+            .for_each(|(i, ((window, disparities), confidence))| {
                 let rows = (bounds.y0 + i * height, disparities.len() / columns);
-                band.window.slide(
-                    level,
-                    images,
-                    space,
-                    image_height,
-                    rows,
-                    |row, winners, layout| {
-                        let disparities = &mut disparities[row * columns..][..columns];
-                        let confidence = &mut confidence[row * width + bounds.x0..][..columns];
-                        confirm_row(level, winners, layout, numbers, disparities, confidence);
-                    },
-                );
+                window.slide(level, images, space, image_height, rows, |row, winners, layout| {
+                    let disparities = &mut disparities[row * columns..][..columns];
+                    let confidence = &mut confidence[row * width + bounds.x0..][..columns];
+                    confirm_row(level, winners, layout, numbers, disparities, confidence);
+                });
             });
         let read = images.iter().map(|image| image.bytes(bounds.rows())).sum::<usize>();
         let written = (size_of::<u16>() + size_of::<f32>()) * columns * bounds.rows();
@@ -212,20 +201,10 @@ impl Fast {
         height: usize,
         map: &mut DisparityMap,
     ) -> Work {
-        let (bounds, (width, _), level) = (frame.bounds, frame.size(), self.level);
-        let columns = bounds.columns();
-        let disparities = &self.disparities;
-        let values = rows_of_box(frame, &mut map.values).par_chunks_mut(height * width);
-        self.bands.par_iter_mut().zip(values).enumerate().for_each(|(i, (band, values))| {
-            band.medians.resize(columns, 0);
-            for (y, values) in (i * height..).zip(values.chunks_exact_mut(width)) {
-                median_of_5_rows(level, rows_around(disparities, y), &mut band.medians);
-                let values = &mut values[bounds.x0..=bounds.x1];
-                row_in_pixels(level, numbers, &band.medians, values);
-            }
-        });
-        let pixel = Work::bytes(2 + 4) + Work::operations(median::OPERATIONS);
-        pixel * (columns * bounds.rows())
+        let bounds = frame.bounds;
+        let first = (bounds.x0, bounds.y0);
+        let steps = Steps { steps: &self.disparities, numbers, first };
+        self.medians.of_box(self.level, true, steps, bounds, height, &mut map.values)
     }
 }
 

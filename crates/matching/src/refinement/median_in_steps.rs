@@ -1,0 +1,108 @@
+//! The median of 5 x 5 pixels of disparities in fixed point, which become disparities in pixels: what
+//! every preset ends with.
+//!
+//! In: a map without holes, of a part of the image; beyond its borders it is repeated. Out: the rows of
+//! a box inside that part. Bands of rows are done by a thread each; the answer does not depend on them.
+
+use raster::{BoundingBox, Plane};
+use rayon::prelude::*;
+
+use crate::kernels::level::Level;
+use crate::kernels::median::{self, median_of_5_rows, rows_around};
+use crate::profile::Work;
+use crate::selection::fixed_point::{FixedPoint, row_in_pixels};
+
+/// A map in fixed point, and where it lies in the image.
+#[derive(Clone, Copy)]
+pub(crate) struct Steps<'a> {
+    pub steps: &'a Plane<u16>,
+    pub numbers: FixedPoint,
+    /// The image's column and row at which it begins.
+    pub first: (usize, usize),
+}
+
+/// Its memory: a row for each band.
+#[derive(Default)]
+pub(crate) struct Medians(Vec<Vec<u16>>);
+
+impl Medians {
+    /// Writes the medians of a box of the image into `values`, in pixels; without `smooths`, the
+    /// disparities as they are. A band has so many rows.
+    pub fn of_box(
+        &mut self,
+        level: Level,
+        smooths: bool,
+        map: Steps<'_>,
+        bounds: BoundingBox,
+        height: usize,
+        values: &mut Plane<f32>,
+    ) -> Work {
+        let Steps { steps, numbers, first: (x0, y0) } = map;
+        let (dx, dy) = (bounds.x0 - x0, bounds.y0 - y0);
+        let width = values.columns();
+        self.0.resize_with(bounds.rows().div_ceil(height), Vec::new);
+        let rows = &mut values.samples_mut()[bounds.y0 * width..(bounds.y1 + 1) * width];
+        let bands = self.0.par_iter_mut().zip(rows.par_chunks_mut(height * width));
+        bands.enumerate().for_each(|(i, (medians, rows))| {
+            medians.resize(steps.columns(), 0);
+            for (y, row) in (dy + i * height..).zip(rows.chunks_exact_mut(width)) {
+                if smooths {
+                    median_of_5_rows(level, rows_around(steps, y), medians);
+                } else {
+                    medians.copy_from_slice(steps.row(y));
+                }
+                let row = &mut row[bounds.x0..=bounds.x1];
+                row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
+            }
+        });
+        let median = if smooths { median::OPERATIONS } else { 0 };
+        let pixel = Work::bytes(2 + 4) + Work::operations(median);
+        pixel * (bounds.columns() * bounds.rows())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::SearchSpace;
+    use raster::DisparityRange;
+
+    #[test]
+    fn a_box_has_the_medians_of_the_map_around_it_whatever_the_bands() {
+        let (columns, rows) = (40, 23);
+        let part = BoundingBox::new(3, 5, 30, 20).unwrap();
+        let space = SearchSpace::new(columns, part, DisparityRange::new(-4, 20).unwrap());
+        let numbers = FixedPoint::new(&space);
+        let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 6000;
+        let steps = Plane::from_fn(part.columns(), part.rows(), |x, y| scramble(x, y) as u16);
+        let map = Steps { steps: &steps, numbers, first: (part.x0, part.y0) };
+        let median = |x: usize, y: usize| {
+            let near = |at: usize, by: usize, end: usize| (at + by).saturating_sub(2).min(end - 1);
+            let mut window: Vec<u16> = (0..25)
+                .map(|i| {
+                    let row = steps.row(near(y, i / 5, part.rows()));
+                    row[near(x, i % 5, part.columns())]
+                })
+                .collect();
+            window.sort_unstable();
+            window[12]
+        };
+        for bounds in [part, BoundingBox::new(7, 6, 29, 18).unwrap()] {
+            for (smooths, height) in
+                [true, false].into_iter().flat_map(|s| [(s, 1), (s, 5), (s, 99)])
+            {
+                let mut values = Plane::filled(columns, rows, f32::NAN);
+                let mut medians = Medians::default();
+                medians.of_box(Level::detect(), smooths, map, bounds, height, &mut values);
+                for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
+                    let expected = bounds.contains(x, y).then(|| {
+                        let (x, y) = (x - part.x0, y - part.y0);
+                        numbers.pixels(if smooths { median(x, y) } else { steps.row(y)[x] })
+                    });
+                    let found = values.row(y)[x];
+                    assert_eq!(Some(found).filter(|v| !v.is_nan()), expected, "({x}, {y})");
+                }
+            }
+        }
+    }
+}
