@@ -24,9 +24,13 @@ pub enum Grey {
     Depth16(Plane<u16>),
 }
 
-/// ITU-R BT.601 luma in thousandths, as PIL and the course define grey.
+/// How much red, green and blue count in grey, in thousandths: ITU-R BT.601 luma, as PIL and the course
+/// define it.
+pub const LUMA: [u32; 3] = [299, 587, 114];
+
+/// Luma in thousandths.
 fn luma([r, g, b]: [u32; 3]) -> u32 {
-    299 * r + 587 * g + 114 * b
+    LUMA[0] * r + LUMA[1] * g + LUMA[2] * b
 }
 
 impl Image {
@@ -95,7 +99,7 @@ impl Image {
         }
     }
 
-    /// Grey of the same depth: luma `(299 R + 587 G + 114 B) / 1000`, rounded to nearest.
+    /// Grey of the same depth: [`LUMA`] `(299 R + 587 G + 114 B) / 1000`, rounded to nearest.
     pub fn to_grey(&self) -> Grey {
         match self {
             Self::Grey8(p) => Grey::Depth8(p.clone()),

@@ -16,5 +16,5 @@ mod plane;
 
 pub use bounds::{BoundingBox, BoundsError, DisparityRange};
 pub use disparity::{DisparityMap, Reason};
-pub use image::{Grey, Image};
+pub use image::{Grey, Image, LUMA};
 pub use plane::{Plane, SizeError, View};

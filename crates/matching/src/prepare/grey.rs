@@ -1,9 +1,9 @@
 //! Grey views of an image, without a copy where the image is grey already.
 //!
-//! Colour is turned into ITU-R BT.601 luma, `(299 R + 587 G + 114 B) / 1000` rounded to nearest,
+//! Colour is turned into ITU-R BT.601 luma ([`LUMA`]), rounded to nearest,
 //! exactly as [`Image::to_grey`] does, but into memory that is kept between frames.
 
-use raster::{Image, Plane, View};
+use raster::{Image, LUMA, Plane, View};
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
@@ -47,7 +47,7 @@ pub(crate) struct GreyBuffer {
 
 #[inline(always)]
 fn luma([r, g, b]: [u32; 3]) -> u32 {
-    (299 * r + 587 * g + 114 * b + 500) / 1000
+    (LUMA[0] * r + LUMA[1] * g + LUMA[2] * b + 500) / 1000
 }
 
 at_every_level! {
