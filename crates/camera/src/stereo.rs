@@ -28,7 +28,7 @@ pub struct CameraError {
 /// A rectified pair of pinhole cameras. See the crate's documentation for the axes.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct StereoCamera {
-    /// Focal length of both cameras in pixels, positive.
+    /// Focal length of both cameras in pixels, positive. Times the baseline it is still finite.
     pub focal_px: f64,
     /// Distance between the cameras in metres, positive: the right one stands to the right.
     pub baseline_m: f64,
@@ -42,7 +42,7 @@ pub struct StereoCamera {
 }
 
 impl StereoCamera {
-    /// Checks the numbers: all finite, focal length and baseline positive.
+    /// Checks the numbers: all finite, focal length and baseline positive, and so their product.
     pub fn new(
         focal_px: f64,
         baseline_m: f64,
@@ -57,6 +57,12 @@ impl StereoCamera {
             if !(value.is_finite() && value > 0.0) {
                 return Err(CameraError { field, value, allowed: "finite and positive" });
             }
+        }
+        let product = focal_px * baseline_m;
+        if !(product.is_finite() && product > 0.0) {
+            let field = "focal length in pixels times baseline in metres";
+            let allowed = "finite and positive";
+            return Err(CameraError { field, value: product, allowed });
         }
         for (field, value) in [
             ("offset of disparities (doffs) in pixels", doffs),
@@ -73,10 +79,12 @@ impl StereoCamera {
     /// Depth in metres of a disparity in pixels: `f B / (d + doffs)`.
     ///
     /// `None` when no point in front of the cameras has this disparity: `d + doffs` is not
-    /// positive (at zero the point is infinitely far away) or not finite (NaN is no disparity).
+    /// positive (at zero the point is infinitely far away) or not finite (NaN is no disparity), or so
+    /// small that the depth is not finite.
     pub fn depth(&self, disparity: f64) -> Option<f64> {
         let shifted = disparity + self.doffs;
-        (shifted > 0.0 && shifted.is_finite()).then(|| self.focal_px * self.baseline_m / shifted)
+        let depth = self.focal_px * self.baseline_m / shifted;
+        (shifted > 0.0 && shifted.is_finite() && depth.is_finite()).then_some(depth)
     }
 
     /// Disparity in pixels of a depth in metres: `f B / Z - doffs`.
@@ -96,9 +104,13 @@ impl StereoCamera {
         })
     }
 
-    /// Depth in metres of each disparity in pixels; NaN where there is none, in or out.
+    /// Depth in metres of each disparity in pixels; NaN where there is none, in or out, or none that a
+    /// float of 32 bits holds.
     pub fn depth_map(&self, disparities: &Plane<f32>) -> Plane<f32> {
-        disparities.map(|&d| self.depth(f64::from(d)).map_or(f32::NAN, |depth| depth as f32))
+        disparities.map(|&d| {
+            let depth = self.depth(f64::from(d)).map_or(f32::NAN, |depth| depth as f32);
+            if depth.is_finite() { depth } else { f32::NAN }
+        })
     }
 
     /// The point `[X, Y, Z]` in metres that left pixel `(x, y)` shows at a disparity in pixels.
@@ -138,11 +150,12 @@ mod tests {
 
     #[test]
     fn what_is_not_in_front_of_the_cameras_has_no_depth() {
-        for disparity in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for disparity in [0.0, -1.0, 5e-324, f64::NAN, f64::INFINITY] {
             assert_eq!(camera(0.0).depth(disparity), None);
             assert_eq!(camera(0.0).point(0.0, 0.0, disparity), None);
         }
         assert_eq!(camera(10.0).depth(-10.0), None);
+        assert!(camera(0.0).depth(1e-300).is_some());
         for depth in [0.0, -1.0, f64::NAN] {
             assert_eq!(camera(0.0).disparity(depth), None);
             assert_eq!(camera(0.0).depth_uncertainty(depth, 1.0), None);
@@ -172,10 +185,12 @@ mod tests {
 
     #[test]
     fn a_map_keeps_its_holes() {
-        let map = Plane::new(4, 1, vec![50.0, f32::NAN, 0.0, 100.0]).unwrap();
+        let map = Plane::new(5, 1, vec![50.0, f32::NAN, 0.0, 100.0, 1e-45]).unwrap();
         let depth = camera(0.0).depth_map(&map);
         assert_eq!((depth.samples()[0], depth.samples()[3]), (4.0, 2.0));
-        assert!(depth.samples()[1].is_nan() && depth.samples()[2].is_nan());
+        for hole in [1, 2, 4] {
+            assert!(depth.samples()[hole].is_nan(), "{depth:?}");
+        }
     }
 
     #[test]
@@ -186,5 +201,10 @@ mod tests {
         assert!(error.to_string().contains("baseline"), "{error}");
         let error = StereoCamera::new(1.0, 1.0, f64::NAN, 0.0, 0.0).unwrap_err();
         assert!(error.to_string().contains("doffs"), "{error}");
+        for (focal, baseline, product) in [(1e200, 1e200, "inf"), (1e-200, 1e-200, "0")] {
+            let error = StereoCamera::new(focal, baseline, 0.0, 0.0, 0.0).unwrap_err();
+            let expected = format!("times baseline in metres is {product}, but it must be finite");
+            assert!(error.to_string().contains(&expected), "{error}");
+        }
     }
 }
