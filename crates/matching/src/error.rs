@@ -9,7 +9,7 @@ pub enum MatchError {
     /// An option has a value that is not allowed.
     #[error("option `{field}` is {value}, but {allowed}")]
     Option {
-        /// The option's name, as in the command line and in TOML.
+        /// Its name on the command line, or that of an environment variable (`HAZCAM_CPU`).
         field: &'static str,
         /// What it was given.
         value: String,

@@ -101,7 +101,14 @@ pub struct Matcher {
 }
 
 impl Matcher {
-    /// Checks the options and prepares the stages.
+    /// Checks the options and prepares the stages. Where the environment variable `HAZCAM_CPU` is set, it
+    /// names the vector instructions to use instead of the best ones ([`Level::name`]); the answer does
+    /// not depend on them.
+    ///
+    /// # Errors
+    ///
+    /// [`MatchError::Option`] where an option has a value that is not allowed ([`Options::check`]), the
+    /// system could not start the threads, or `HAZCAM_CPU` names no instructions that this processor has.
     pub fn new(options: Options) -> Result<Self, MatchError> {
         options.check()?;
         let pool = threads::start(options.threads).map_err(|e| MatchError::Option {
@@ -151,8 +158,18 @@ impl Matcher {
         self.pool.install(|| Limits::measure(level, largest))
     }
 
-    /// The disparity of every pixel in `bounds` (the whole image without one), in pixels of the
-    /// left image. Colour images are matched as grey.
+    /// The disparity of every pixel in `bounds` (the whole image without one), in pixels: `d` says that
+    /// left `(x, y)` shows what right `(x - d, y)` shows, so it is the larger the nearer that is. Outside
+    /// the box, and where holes are kept, it is NaN, and the reason says why. Colour images are matched as
+    /// grey.
+    ///
+    /// # Errors
+    ///
+    /// * [`MatchError::SizesDiffer`] and [`MatchError::NoPixels`] for images that are no pair;
+    /// * [`MatchError::Bounds`] for a box that leaves them;
+    /// * [`MatchError::TooLarge`] for more pixels than can be counted;
+    /// * [`MatchError::Memory`] and [`MatchError::MachineMemory`] for a frame that does not fit what is
+    ///   allowed ([`Options::memory`]) or there.
     pub fn compute(
         &mut self,
         left: &Image,

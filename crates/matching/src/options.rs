@@ -98,7 +98,8 @@ impl Options {
         Self { preset, range, holes: Holes::Fill, threads, memory: None, without: Vec::new() }
     }
 
-    /// Errors when no matcher can be built from them.
+    /// Errors, with the field's name, when no matcher can be built from them: threads must be from 1 to
+    /// 1024, disparities from -16383 to 16383 pixels, and what is left out must be of the preset.
     pub fn check(&self) -> Result<(), MatchError> {
         if self.threads == 0 || self.threads > 1024 {
             return Err(MatchError::Option {

@@ -10,6 +10,7 @@
 //! Where no plain loop expresses what vectors can do, [`with_vectors!`] gives those of `fearless_simd`, which
 //! also says which levels there are.
 
+use std::ffi::OsStr;
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -64,22 +65,26 @@ impl Level {
         *BEST.get_or_init(|| *Level::available().last().expect("scalar is always there"))
     }
 
-    /// The level that `HAZCAM_CPU` names, or the best one without it. Errors name the levels that
-    /// this processor has.
+    /// The level that the environment variable `HAZCAM_CPU` names, or the best one without it.
+    ///
+    /// # Errors
+    ///
+    /// When it names none that this processor has; the error says which there are.
     pub fn chosen() -> Result<Level, crate::MatchError> {
-        match std::env::var("HAZCAM_CPU") {
-            Err(_) => Ok(Level::detect()),
-            Ok(name) => {
-                Level::available().into_iter().find(|l| l.name() == name).ok_or_else(|| {
-                    let names: Vec<_> = Level::available().iter().map(|l| l.name()).collect();
-                    crate::MatchError::Option {
-                        field: "HAZCAM_CPU",
-                        value: format!("`{name}`"),
-                        allowed: format!("this processor has {}", names.join(", ")),
-                    }
-                })
+        std::env::var_os("HAZCAM_CPU").map_or(Ok(Level::detect()), |name| Level::named(&name))
+    }
+
+    /// The level of this name.
+    fn named(name: &OsStr) -> Result<Level, crate::MatchError> {
+        let levels = Level::available();
+        levels.iter().find(|level| level.name() == name).copied().ok_or_else(|| {
+            let names: Vec<_> = levels.iter().map(|level| level.name()).collect();
+            crate::MatchError::Option {
+                field: "HAZCAM_CPU",
+                value: format!("`{}`", name.display()),
+                allowed: format!("this processor has {}", names.join(", ")),
             }
-        }
+        })
     }
 
     /// The name used by `HAZCAM_CPU` and in reports.
@@ -227,5 +232,23 @@ mod tests {
         let levels = Level::available();
         assert!(levels.is_sorted());
         assert_eq!(Some(&Level::detect()), levels.last());
+    }
+
+    #[test]
+    fn a_level_is_found_by_its_name_and_no_other() {
+        for level in Level::available() {
+            assert_eq!(Level::named(level.name().as_ref()), Ok(level));
+        }
+        let error = Level::named("abacus".as_ref()).unwrap_err().to_string();
+        let expected = "option `HAZCAM_CPU` is `abacus`, but this processor has scalar";
+        assert!(error.starts_with(expected), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_name_that_is_no_text_is_no_level() {
+        use std::os::unix::ffi::OsStrExt;
+        let error = Level::named(OsStr::from_bytes(b"avx2\xff")).unwrap_err().to_string();
+        assert!(error.starts_with("option `HAZCAM_CPU` is `avx2\u{fffd}`, but "), "{error}");
     }
 }
