@@ -14,9 +14,9 @@ use crate::refinement::groups::Groups;
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_steps};
 
-/// Smaller groups of equal disparity are speckles: so many pixels of the image.
+/// Smaller groups are speckles: so many pixels of the image.
 const LEAST_GROUP: usize = 60;
-/// Neighbours of one group differ by at most this.
+/// Neighbours that differ by at most so many pixels are of one group, whatever its ends differ by.
 const GROUP_STEP: f32 = 1.0;
 
 /// What every stage needs to know.

@@ -29,7 +29,8 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::rounding::nearest;
 use crate::profile::Work;
 
-/// Half the window: it is `2 RADIUS + 1` pixels wide and high.
+/// Half the window: it has `2 RADIUS + 1` columns of the image and as many matched rows, which `balanced` has
+/// every other one of.
 const RADIUS: usize = 3;
 const SIDE: usize = 2 * RADIUS + 1;
 /// How far off the disparities are that come here, in pixels: a standard deviation.

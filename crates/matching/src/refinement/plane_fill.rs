@@ -198,9 +198,13 @@ mod tests {
     }
 
     fn filled_rows(view: &mut ViewMap) -> Plane<f32> {
+        filled_in((0, 50), view)
+    }
+
+    fn filled_in((least, most): (i32, i32), view: &mut ViewMap) -> Plane<f32> {
         let mut out = Plane::default();
         let all = Ingredients::of(Preset::Balanced, &[]);
-        fill(all, Level::detect(), 60, DisparityRange::new(0, 50).unwrap(), view, &mut out);
+        fill(all, Level::detect(), 60, DisparityRange::new(least, most).unwrap(), view, &mut out);
         out
     }
 
@@ -233,10 +237,13 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_holes_takes_its_neighbour_and_no_value_at_all_the_least() {
+    fn a_row_of_holes_takes_its_neighbour_and_without_any_value_what_is_nearest_to_zero() {
         let mut one = view(Plane::from_fn(5, 3, |_, y| if y == 1 { 7.0 } else { HOLE }));
         assert!(filled_rows(&mut one).samples().iter().all(|&v| v == 7.0));
-        let mut none = view(Plane::from_fn(5, 3, |_, _| HOLE));
-        assert!(filled_rows(&mut none).samples().iter().all(|&v| v == 0.0));
+        for (range, nearest) in [((0, 50), 0.0), ((-9, 9), 0.0), ((7, 50), 7.0), ((-9, -4), -4.0)] {
+            let mut none = view(Plane::from_fn(5, 3, |_, _| HOLE));
+            let filled = filled_in(range, &mut none);
+            assert!(filled.samples().iter().all(|&v| v == nearest), "{range:?}: {filled:?}");
+        }
     }
 }

@@ -53,8 +53,8 @@ pub(crate) const fn operations(step: usize) -> usize {
 impl Surface {
     /// The surface that pixel `(x, y)`, which must have a value, lies on: a plane is fitted to the
     /// disparities around it, four times, each time to those near the plane before (Tukey's
-    /// biweight). NaN values do not count. Every `STEP`th column and row is looked at, [`FINE`] or
-    /// [`COARSE`].
+    /// biweight: Beaton & Tukey, Technometrics 1974). NaN values do not count. Every `STEP`th column
+    /// and row is looked at, [`FINE`] or [`COARSE`].
     pub fn fit<const STEP: usize>(level: Level, values: &Plane<f32>, x: usize, y: usize) -> Self {
         const { assert!(side(STEP) <= SIDE) };
         let (columns, rows) = values.size();

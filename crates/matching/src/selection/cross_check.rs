@@ -3,8 +3,7 @@
 //! A match is confirmed when the pixel it points at in the other view points back, within
 //! [`TOLERANCE`] pixels. A pixel that fails is *mismatched* when some pixel of the other view does
 //! point at it (it is seen by both cameras, only its match was wrong) and *occluded* when none does
-//! (Hirschmueller, *Stereo Processing by Semiglobal Matching and Mutual Information*, 2008,
-//! section 2.6).
+//! (Hirschmueller, *Stereo Processing by Semiglobal Matching and Mutual Information*, PAMI 2008).
 //!
 //! The right view is handled as it looks in a mirror: there its disparities also point to smaller
 //! columns, so whatever is written for the left view serves both.

@@ -99,7 +99,8 @@ impl VerticalDisparity {
     }
 
     /// Fits it to correspondences in an image of a size, by least squares, again and again with weights
-    /// by how far off each one is (Tukey's biweight). None where too few agree.
+    /// by how far off each one is (Tukey's biweight: Beaton & Tukey, Technometrics 1974). None where too few
+    /// agree.
     pub(super) fn fit<'a>(
         found: impl Iterator<Item = &'a Correspondence> + Clone,
         size: (usize, usize),
