@@ -225,3 +225,85 @@ at_every_level! {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+    use Reason::{Matched, MismatchedFilled, OccludedFilled, OccludedHole, OutsideRightFilled};
+
+    /// Columns of the image, the map's first one, and how far they are apart.
+    const IMAGES: [(usize, usize, usize); 3] = [(150, 0, 1), (400, 3, 2), (290, 1, 2)];
+
+    /// What a pixel is in column `x` of the image.
+    fn definition(
+        width: usize,
+        x: usize,
+        smoothed: bool,
+        (before, now): (f32, f32),
+        reason: Reason,
+    ) -> Reason {
+        let stays = !smoothed && before == now;
+        let is_confirmed = reason == Matched && (before - now).abs() <= 1.0;
+        let right = x as f32 - now;
+        match reason {
+            reason if stays || is_confirmed => reason,
+            _ if right < -0.5 || right > width as f32 - 0.5 => OutsideRightFilled,
+            Matched | MismatchedFilled => MismatchedFilled,
+            _ => OccludedFilled,
+        }
+    }
+
+    #[test]
+    fn a_case_worked_by_hand() {
+        // Kept; moved within a pixel; farther; filled ones that moved, the last out of the right image.
+        let before = [5.0, 5.0, 5.0, 5.0, 5.0, 5.0];
+        let now = [5.0, 6.0, 6.5, 5.5, 5.5, 105.5];
+        let reasons = [Matched, Matched, Matched, MismatchedFilled, OutsideRightFilled, Matched];
+        for level in Level::available() {
+            let mut found = reasons;
+            unconfirm_row(level, (200, 20, 2), false, &before, &now, &mut found);
+            let moved = [MismatchedFilled, MismatchedFilled, OccludedFilled, OutsideRightFilled];
+            assert_eq!(found[..2], [Matched; 2]);
+            assert_eq!(found[2..], moved);
+        }
+    }
+
+    #[test]
+    fn reasons_after_a_round_are_their_definition_at_every_level() {
+        let all = [Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled, OccludedHole];
+        for smoothed in [false, true] {
+            for (width, first, every) in IMAGES {
+                let mut chance = Chance(7);
+                let columns = 150.min(width.div_ceil(every));
+                // Parts in which all are confirmed, in which some moved, and in which nearly all did.
+                let moves = [0.0, 0.1, 0.9];
+                let mut pixel = |x: usize| {
+                    let before = (40.0 * chance.share()).round() / 4.0 + 8.0;
+                    let by = [0.25, -1.0, 1.25, 9.0, -60.0, 300.0][x % 6];
+                    let moved = chance.share().abs() < moves[x / TOGETHER % 3];
+                    let reason = if x < TOGETHER { Matched } else { all[x * 7 % 5] };
+                    (before, if moved { before + by } else { before }, reason)
+                };
+                let row: Vec<(f32, f32, Reason)> = (0..columns).map(&mut pixel).collect();
+                let before: Vec<f32> = row.iter().map(|pixel| pixel.0).collect();
+                let now: Vec<f32> = row.iter().map(|pixel| pixel.1).collect();
+                let expected: Vec<Reason> = (row.iter().enumerate())
+                    .map(|(i, &(before, now, reason))| {
+                        let x = first + every * i;
+                        definition(width, x, smoothed, (before, now), reason)
+                    })
+                    .collect();
+                for reason in [Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled] {
+                    assert!(expected.contains(&reason), "{reason:?} of {width} columns");
+                }
+                for level in Level::available() {
+                    let mut reasons: Vec<Reason> = row.iter().map(|pixel| pixel.2).collect();
+                    let image = (width, first, every);
+                    unconfirm_row(level, image, smoothed, &before, &now, &mut reasons);
+                    assert_eq!(reasons, expected, "{width} columns, level {}", level.name());
+                }
+            }
+        }
+    }
+}
