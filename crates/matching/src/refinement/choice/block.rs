@@ -8,6 +8,7 @@
 use raster::{Plane, Reason, View};
 
 use super::edges::WAYS;
+use super::hint::{self, Hints};
 use super::notes::Note;
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, SAME, in_turns};
@@ -22,25 +23,8 @@ use crate::kernels::rounding::nearest;
 /// Pixels that are worked on together.
 pub(crate) const LANES: usize = 16;
 
-/// What is known of each candidate, in the order of [`Hints`].
-pub(super) const OF_EACH: usize = 20;
 /// What is known of the pixel, in the order of [`Block::of_pixel`].
 pub(super) const OF_PIXEL: usize = 6;
-
-/// What is known of a candidate:
-/// 0, 1: how far it lies from what the pixel has, with sign and without;
-/// 2 to 4: of where it comes from: confidence, whether filled, whether in doubt;
-/// 5: the difference of grey to there;
-/// 6 to 8: how badly the match fits: census and grey steps of the window, census of the pixel;
-/// 9, 10: how far the right view's disparity at the match lies from it;
-/// 11, 12: the share of candidates that say the same, and that of those of the same shade;
-/// 13, 14: how far it lies from the smallest and from the largest one;
-/// 15: whether the match lies outside the right image;
-/// 16: how steep its plane is;
-/// 17: how much the grey changes on the way to there;
-/// 18, 19: the share of candidates that say the same among the confident ones, and among those
-/// that no edge parts from the pixel.
-pub(super) type Hints = [Lanes; OF_EACH];
 
 /// What is known of the images and of both views, and stays as it is.
 pub(crate) struct Given<'a> {
@@ -406,29 +390,29 @@ impl Block {
         let Fits { bits, bits_here, steps } = self.windows.fit(&self.met[k], self.count);
         for l in 0..LANES {
             let apart = disparities[l] - self.here[l];
-            hints[0][l] = bent(apart);
-            hints[1][l] = bent(apart).abs();
-            hints[6][l] = bits[l] * (2.0 / BITS as f32);
-            hints[7][l] = steps[l] * (1.0 / (10 * STEPS) as f32);
-            hints[8][l] = bits_here[l] * 0.25;
+            hints[hint::APART][l] = bent(apart);
+            hints[hint::FAR][l] = bent(apart).abs();
+            hints[hint::CENSUS][l] = bits[l] * (2.0 / BITS as f32);
+            hints[hint::GREY_STEPS][l] = steps[l] * (1.0 / (10 * STEPS) as f32);
+            hints[hint::CENSUS_HERE][l] = bits_here[l] * 0.25;
             let off = if outside[l] > 0.0 { 0.0 } else { right[l] - disparities[l] };
-            hints[9][l] = bent(off);
-            hints[10][l] = bent(off).abs();
-            hints[13][l] = bent(disparities[l] - self.smallest[l]);
-            hints[14][l] = bent(self.largest[l] - disparities[l]);
-            hints[16][l] = 2.0 * self.steep[k][l];
+            hints[hint::RIGHT_APART][l] = bent(off);
+            hints[hint::RIGHT_FAR][l] = bent(off).abs();
+            hints[hint::ABOVE_SMALLEST][l] = bent(disparities[l] - self.smallest[l]);
+            hints[hint::BELOW_LARGEST][l] = bent(self.largest[l] - disparities[l]);
+            hints[hint::STEEP][l] = 2.0 * self.steep[k][l];
             let note = self.notes[k][l];
-            hints[2][l] = note.confidence();
-            hints[3][l] = note.filled();
-            hints[4][l] = note.doubt();
-            hints[5][l] = note.shade();
-            hints[17][l] = changes(note);
-            hints[11][l] = self.votes[k][0][l] as f32 * self.scales[0][l];
-            hints[12][l] = self.votes[k][1][l] as f32 * self.scales[1][l];
-            hints[18][l] = self.votes[k][2][l] as f32 * self.scales[2][l];
-            hints[19][l] = self.votes[k][3][l] as f32 * self.scales[3][l];
+            hints[hint::CONFIDENCE][l] = note.confidence();
+            hints[hint::FILLED][l] = note.filled();
+            hints[hint::DOUBT][l] = note.doubt();
+            hints[hint::SHADE][l] = note.shade();
+            hints[hint::CHANGES][l] = changes(note);
+            hints[hint::VOTES][l] = self.votes[k][0][l] as f32 * self.scales[0][l];
+            hints[hint::VOTES_OF_SHADE][l] = self.votes[k][1][l] as f32 * self.scales[1][l];
+            hints[hint::VOTES_OF_CONFIDENT][l] = self.votes[k][2][l] as f32 * self.scales[2][l];
+            hints[hint::VOTES_WITHOUT_EDGE][l] = self.votes[k][3][l] as f32 * self.scales[3][l];
         }
-        hints[15] = *outside;
+        hints[hint::OUTSIDE] = *outside;
     }
 }
 

@@ -13,7 +13,8 @@
 //! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 
-use super::block::{Block, Hints, LANES, NONE, OF_EACH, OF_PIXEL};
+use super::block::{Block, LANES, NONE, OF_PIXEL};
+use super::hint::{Hints, OF_EACH};
 use super::reach::{GROUP, MOST, Reach};
 use super::relations::{NO_NUMBERS, PARTS, in_turns};
 use crate::kernels::aligned::Line;

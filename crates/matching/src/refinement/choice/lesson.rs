@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use raster::Plane;
 
-use super::block::{Block, Compared, LANES, NONE, OF_EACH, OF_PIXEL, Scene};
+use super::block::{Block, Compared, LANES, NONE, OF_PIXEL, Scene};
+use super::hint::OF_EACH;
 use super::reach::Reach;
 use super::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};

@@ -16,6 +16,7 @@
 mod block;
 pub(crate) mod certainty;
 mod edges;
+mod hint;
 mod judge;
 mod jury;
 mod lesson;
