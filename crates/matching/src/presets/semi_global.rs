@@ -22,6 +22,7 @@ use crate::matcher::{Frame, Pipeline};
 use crate::optimization::semi_global::{Penalties, SemiGlobal};
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::VerticalDisparity;
+use crate::prepare::grey::GreyView;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::columns_between;
@@ -162,6 +163,46 @@ impl SemiGlobalMatching {
         Work::bytes(2 * size_of_val(self.guide.samples()))
     }
 
+    /// Disparities of the left view that the right one confirms, and how sure they are. Of the right view those
+    /// that the left one confirms where pixels of it are to choose.
+    fn find_matches(
+        &mut self,
+        space: &SearchSpace,
+        search: Search<'_>,
+        views: [GreyView<'_>; 2],
+        chooses: bool,
+        confidence: &mut [f32],
+        profile: &mut Profile,
+    ) {
+        let Search { ingredients, level, grey, work, rows, width, .. } = search;
+        let stepped = match ingredients.has(Ingredient::Gradient) {
+            true => grey,
+            false => {
+                self.flat.reshape(width, grey[0].rows(), 0);
+                [self.flat.view(); 2]
+            }
+        };
+        let seen = [0, 1].map(|i| (views[i], stepped[i]));
+        let features = self.features.compute(level, seen, space, rows);
+        profile.end("census and gradient", features + self.look_at_guide(search, space.apart));
+        if ingredients.has(Ingredient::Descriptors) {
+            self.doubtful.reset(space.columns(), rows.count, false);
+            let described = self.features.describe(level, views, space, work.y0);
+            profile.end("descriptors", described);
+        }
+        profile.end(PATHS, self.optimize(space, search, confidence, false));
+        if ingredients.has(Ingredient::SurfacePrior) {
+            self.follow_surfaces(space, search, confidence, profile);
+            if ingredients.has(Ingredient::LastSurfaceRun) {
+                self.follow_surfaces(space, search, confidence, profile);
+            }
+        }
+        if !ingredients.has(Ingredient::PathMargin) {
+            self.trust_agreement(width, confidence);
+        }
+        self.check(search, chooses && ingredients.has(Ingredient::RightChoices), profile);
+    }
+
     /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
     /// the image. `confidence` takes how sure those of the left view are.
     fn optimize(
@@ -265,6 +306,22 @@ impl SemiGlobalMatching {
         profile.end(CHECK, done);
     }
 
+    /// Fills the holes of the left view, and of the right one where its pixels are to choose. Where none are, the
+    /// left view comes to stand in the right one's memory.
+    fn fill_views(&mut self, search: Search<'_>, chooses: bool, profile: &mut Profile) {
+        let Search { ingredients, level, width, range, .. } = search;
+        let filled = match chooses {
+            true => &mut self.left.filled,
+            false => &mut self.right.map.values,
+        };
+        let mut done = fill(ingredients, level, width, range, &mut self.left.map, filled);
+        if chooses && ingredients.has(Ingredient::RightChoices) {
+            let View { map, filled, .. } = &mut self.right;
+            done = done + fill(ingredients, level, width, range, map, filled);
+        }
+        profile.end(FILL, done);
+    }
+
     /// Lets pixels of the left view, which is filled, choose planes around them, before it those of the
     /// right one. One without a match is as confident as the judge is certain, one with a match as both are.
     fn choose(&mut self, search: Search<'_>, confidence: &mut Plane<f32>, profile: &mut Profile) {
@@ -299,6 +356,61 @@ impl SemiGlobalMatching {
         // Confidence is multiplied by the certainty where there is a match.
         let told = 2 * size_of_val(filled.samples()) + 2 * size_of_val(map.reasons.samples());
         profile.end("choices", done + Work::bytes(told));
+    }
+
+    /// From the left view, which is filled and has chosen, the answer to a box in `map`, whose disparities take
+    /// the right view's memory back: all columns, fractions of a pixel by least squares, all rows, the median.
+    fn answer(
+        &mut self,
+        space: &SearchSpace,
+        search: Search<'_>,
+        chooses: bool,
+        sure: &mut Plane<f32>,
+        bounds: BoundingBox,
+        map: &mut DisparityMap,
+        profile: &mut Profile,
+    ) {
+        let Search { ingredients, level, grey, rows, width, range, .. } = search;
+        let View { map: left, filled, steps, .. } = &mut self.left;
+        let filled = if chooses { filled } else { &mut self.right.map.values };
+        let (values, reasons, confidence) = if space.apart > 1 {
+            let matched = columns_between::Matched {
+                values: filled,
+                reasons: &left.reasons,
+                confidence: sure,
+            };
+            let grey = search.matched_rows();
+            let spread = self.between.spread(level, grey, ONE_SURFACE, matched);
+            profile.end("columns between", spread);
+            let columns_between::Map { values, reasons, confidence } = &mut self.between;
+            (values, &*reasons, confidence)
+        } else {
+            (filled, &left.reasons, sure)
+        };
+        if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
+            let (values, first) = (&mut *values, left.first);
+            let shifted = least_squares::Map { values, reasons, first, rows, range };
+            profile.end("least squares", self.least_squares.refine(level, grey, shifted));
+        }
+        let stepped = in_steps(level, search.numbers, values, steps);
+        // Without a search there is one value everywhere.
+        let nowhere = values.row(0)[0];
+        map.values = std::mem::take(&mut self.right.map.values);
+        map.values.reshape(width, grey[0].rows(), nowhere);
+        let judged = chooses && ingredients.has(Ingredient::PathMargin);
+        let answered = self.answer.spread(search, judged, (steps, reasons), confidence, map);
+        profile.end("answer", stepped + answered);
+        let medians = match space.count {
+            0 => {
+                map.values.samples_mut().fill(nowhere);
+                Work::default()
+            }
+            _ => self.answer.smooth(search, bounds, &mut map.values),
+        };
+        profile.end("median", medians);
+        map.values.fill_around(bounds, f32::NAN);
+        map.reasons.fill_around(bounds, Reason::OutsideBox);
+        map.confidence.fill_around(bounds, 0.0);
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.
@@ -339,8 +451,8 @@ impl Pipeline for SemiGlobalMatching {
         profile: &mut Profile,
     ) -> Result<(), MatchError> {
         let bounds = frame.bounds;
-        let (width, height) = frame.size();
-        let work = surroundings(bounds, (width, height));
+        let width = frame.size().0;
+        let work = surroundings(bounds, frame.size());
         let space = self.space(frame, work);
         let rows = MatchedRows::of(work, space.apart);
         let columns = space.columns();
@@ -374,94 +486,20 @@ impl Pipeline for SemiGlobalMatching {
         self.right.begin((0, 1), width, rows.count);
         let mut sure = std::mem::take(&mut self.confidence);
         sure.reshape(columns, rows.count, 0.0);
-        let confidence = sure.samples_mut();
         let chooses = space.count > 0 && ingredients.has(Ingredient::LearnedChoice);
         if space.count > 0 {
-            let stepped = match ingredients.has(Ingredient::Gradient) {
-                true => grey,
-                false => {
-                    self.flat.reshape(width, height, 0);
-                    [self.flat.view(); 2]
-                }
-            };
-            let seen = [0, 1].map(|i| (views[i], stepped[i]));
-            let features = self.features.compute(level, seen, &space, rows);
-            profile.end("census and gradient", features + self.look_at_guide(search, space.apart));
-            if ingredients.has(Ingredient::Descriptors) {
-                self.doubtful.reset(columns, rows.count, false);
-                let described = self.features.describe(level, views, &space, work.y0);
-                profile.end("descriptors", described);
-            }
-            profile.end(PATHS, self.optimize(&space, search, confidence, false));
-            if ingredients.has(Ingredient::SurfacePrior) {
-                self.follow_surfaces(&space, search, confidence, profile);
-                if ingredients.has(Ingredient::LastSurfaceRun) {
-                    self.follow_surfaces(&space, search, confidence, profile);
-                }
-            }
-            if !ingredients.has(Ingredient::PathMargin) {
-                self.trust_agreement(width, confidence);
-            }
-            self.check(search, chooses && ingredients.has(Ingredient::RightChoices), profile);
+            self.find_matches(&space, search, views, chooses, sure.samples_mut(), profile);
         } else {
             self.left.map.values.samples_mut().fill(f32::NAN);
             self.left.map.reasons.reset(columns, rows.count, Reason::OccludedHole);
-            confidence.fill(0.0);
+            sure.samples_mut().fill(0.0);
         }
-        let filled = match chooses {
-            true => &mut self.left.filled,
-            false => &mut self.right.map.values,
-        };
-        let mut done = fill(ingredients, level, width, range, &mut self.left.map, filled);
-        if chooses && ingredients.has(Ingredient::RightChoices) {
-            let View { map, filled, .. } = &mut self.right;
-            done = done + fill(ingredients, level, width, range, map, filled);
-        }
-        profile.end(FILL, done);
+        self.fill_views(search, chooses, profile);
         if chooses {
             self.choose(search, &mut sure, profile);
         }
-        let View { map: left, filled, steps, .. } = &mut self.left;
-        let filled = if chooses { filled } else { &mut self.right.map.values };
-        let (values, reasons, confidence) = if space.apart > 1 {
-            let matched = columns_between::Matched {
-                values: filled,
-                reasons: &left.reasons,
-                confidence: &sure,
-            };
-            let grey = search.matched_rows();
-            let spread = self.between.spread(level, grey, ONE_SURFACE, matched);
-            profile.end("columns between", spread);
-            let columns_between::Map { values, reasons, confidence } = &mut self.between;
-            (values, &*reasons, confidence)
-        } else {
-            (filled, &left.reasons, &mut sure)
-        };
-        if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
-            let (values, first) = (&mut *values, left.first);
-            let shifted = least_squares::Map { values, reasons, first, rows, range };
-            profile.end("least squares", self.least_squares.refine(level, grey, shifted));
-        }
-        let stepped = in_steps(level, search.numbers, values, steps);
-        // Without a search there is one value everywhere.
-        let nowhere = values.row(0)[0];
-        map.values = std::mem::take(&mut self.right.map.values);
-        map.values.reshape(width, height, nowhere);
-        let judged = chooses && ingredients.has(Ingredient::PathMargin);
-        let answered = self.answer.spread(search, judged, (steps, reasons), confidence, map);
+        self.answer(&space, search, chooses, &mut sure, bounds, map, profile);
         self.confidence = sure;
-        profile.end("answer", stepped + answered);
-        let medians = match space.count {
-            0 => {
-                map.values.samples_mut().fill(nowhere);
-                Work::default()
-            }
-            _ => self.answer.smooth(search, bounds, &mut map.values),
-        };
-        profile.end("median", medians);
-        map.values.fill_around(bounds, f32::NAN);
-        map.reasons.fill_around(bounds, Reason::OutsideBox);
-        map.confidence.fill_around(bounds, 0.0);
         self.pair = pair;
         Ok(())
     }
