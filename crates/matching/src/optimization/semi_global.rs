@@ -2,7 +2,7 @@
 //!
 //! Every path adds to a pixel's cost the cheapest way to get there from the border of the image:
 //! a change of one disparity costs `P1`, a larger one `P2`, and `P2` falls where the grey value
-//! changes by more than noise does, since that is where depth may jump (Banz et al., ICCV Workshops
+//! changes by more than noise and texture do, since that is where depth may jump (Banz et al., ICCV Workshops
 //! 2011). The sum of the eight replaces the cost.
 //!
 //! Four paths come from above and the left, four from below and the right, so two sweeps do all.
@@ -47,18 +47,18 @@ pub struct Penalties {
     pub p2: u8,
     /// The least that a larger change ever costs.
     pub p2_least: u8,
-    /// How fast the large penalty falls with the grey step beyond noise, in 1/64:
-    /// `P2 = max(p2_least, p2 - fall max(|dI| - noise, 0) / 64)`.
+    /// How fast the large penalty falls with the grey step beyond what is ignored, in 1/64:
+    /// `P2 = max(p2_least, p2 - fall max(|dI| - ignored, 0) / 64)`.
     pub fall: u8,
     /// Grey steps up to this say nothing.
-    pub noise: u8,
+    pub ignored: u8,
 }
 
 impl Penalties {
     /// The large penalty between two pixels of these grey values.
     #[inline(always)]
     fn p2_between(&self, here: u8, there: u8) -> u8 {
-        let step = u16::from((here.max(there) - here.min(there)).saturating_sub(self.noise));
+        let step = u16::from((here.max(there) - here.min(there)).saturating_sub(self.ignored));
         let p2 = (u16::from(self.p2) * 64).saturating_sub(u16::from(self.fall) * step) / 64;
         p2.max(u16::from(self.p2_least)) as u8
     }
@@ -395,7 +395,7 @@ mod tests {
                             let q = &states[(qy * w + qx) as usize * n..][..n];
                             let grey = |x: isize, y: isize| guide.row(y as usize)[x as usize];
                             let step = f32::from(grey(x, y).abs_diff(grey(qx, qy)));
-                            let step = (step - f32::from(penalties.noise)).max(0.0);
+                            let step = (step - f32::from(penalties.ignored)).max(0.0);
                             let fall = f32::from(penalties.fall) / 64.0;
                             let p2 = f32::from(penalties.p2) - fall * step;
                             let p2 = p2.max(f32::from(penalties.p2_least)) as u8;
@@ -432,7 +432,7 @@ mod tests {
         (Given { columns, count, costs }, guide)
     }
 
-    const PENALTIES: Penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 45, noise: 3 };
+    const PENALTIES: Penalties = Penalties { p1: 9, p2: 90, p2_least: 20, fall: 45, ignored: 3 };
 
     /// All sums, row by row.
     fn run(

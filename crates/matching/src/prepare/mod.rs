@@ -8,6 +8,7 @@ pub(crate) mod grey;
 pub(crate) mod noise;
 pub(crate) mod prefilter;
 pub(crate) mod smoothing;
+pub(crate) mod texture;
 
 use raster::Plane;
 

@@ -4,6 +4,7 @@ mod answer;
 mod fast;
 mod memory;
 mod pair;
+mod penalties;
 mod right_choices;
 mod semi_global;
 mod view;

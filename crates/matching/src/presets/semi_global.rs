@@ -11,6 +11,7 @@ use raster::{BoundingBox, DisparityMap, DisparityRange, Plane, Reason};
 use super::answer::{Answer, ONE_SURFACE};
 use super::memory::Needs;
 use super::pair::{Pair, Prepared};
+use super::penalties::penalties;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
 use crate::cost::census_gradient::FeaturePair;
@@ -19,7 +20,7 @@ use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::every::take_every;
 use crate::kernels::level::Level;
 use crate::matcher::{Frame, Pipeline};
-use crate::optimization::semi_global::{Penalties, SemiGlobal};
+use crate::optimization::semi_global::SemiGlobal;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::VerticalDisparity;
 use crate::prepare::grey::GreyView;
@@ -34,13 +35,6 @@ use crate::selection::fixed_point::FixedPoint;
 use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
-/// What changes of disparity cost in either preset; in a noisy image its steps count less ([`penalties`]).
-const BALANCED: Penalties = Penalties { p1: 10, p2: 45, p2_least: 8, fall: 240, noise: 0 };
-const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, noise: 0 };
-/// Grey steps of up to so many standard deviations of the noise say nothing; but texture is taken for
-/// noise of up to this standard deviation where images are clean.
-const STEPS_OF_NOISE: f32 = 3.0;
-const LITTLE_NOISE: f32 = 3.3;
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image.
 const UNIQUE: u16 = 2;
@@ -57,7 +51,7 @@ const FILL: &str = "fill";
 /// The stages and their memory.
 pub(crate) struct SemiGlobalMatching {
     ingredients: Ingredients,
-    penalties: Penalties,
+    preset: Preset,
     level: Level,
     pair: Pair,
     /// What was taken out of the right image of the last frame.
@@ -109,7 +103,7 @@ impl SemiGlobalMatching {
     ) -> Self {
         Self {
             ingredients: Ingredients::of(preset, without),
-            penalties: if preset == Preset::Balanced { BALANCED } else { BEST },
+            preset,
             level,
             memory,
             pair: Pair::default(),
@@ -131,15 +125,6 @@ impl SemiGlobalMatching {
             least_squares: LeastSquares::default(),
         }
     }
-}
-
-/// What changes of disparity cost in an image: the more noisy it is, the less its steps of grey count.
-fn penalties(ingredients: Ingredients, penalties: Penalties, noise: f32) -> Penalties {
-    if !ingredients.has(Ingredient::AdaptiveP2) {
-        return Penalties { fall: 0, ..penalties };
-    }
-    let steps = STEPS_OF_NOISE * (noise - LITTLE_NOISE).max(0.0);
-    Penalties { noise: steps.round_ties_even() as u8, ..penalties }
 }
 
 /// The part of the image that is matched to answer a box.
@@ -466,8 +451,9 @@ impl Pipeline for SemiGlobalMatching {
         let Prepared { views, grey, vertical, noise, done } =
             pair.prepare(level, ingredients, frame, space.count > 0);
         self.vertical = vertical;
-        profile.end("grey, vertical alignment, noise", done);
-        let penalties = penalties(ingredients, self.penalties, noise);
+        let (penalties, measured) =
+            penalties(self.preset, ingredients, grey[0], noise, space.apart);
+        profile.end("grey, vertical alignment, noise", done + measured);
         let search = Search {
             ingredients,
             level,
@@ -502,31 +488,5 @@ impl Pipeline for SemiGlobalMatching {
         self.confidence = sure;
         self.pair = pair;
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::chance::Chance;
-    use crate::prepare::noise::noise;
-
-    #[test]
-    fn steps_of_grey_count_less_in_a_noisy_image_alone() {
-        let with_noise = |most: f32| {
-            let mut chance = Chance(2);
-            let grey =
-                Plane::from_fn(90, 60, |x, _| (90.0 + x as f32 + most * chance.share()) as u8);
-            penalties(Ingredients::of(Preset::Balanced, &[]), BALANCED, noise(grey.view()))
-        };
-        assert_eq!(with_noise(0.0), BALANCED);
-        // A deviation of 3: what texture is taken for.
-        assert_eq!(with_noise(10.0), BALANCED);
-        // One of 17.
-        let noisy = with_noise(60.0);
-        assert!((30..=50).contains(&noisy.noise), "{noisy:?}");
-        assert_eq!(Penalties { noise: 0, ..noisy }, BALANCED);
-        let without = Ingredients::of(Preset::Balanced, &[Ingredient::AdaptiveP2]);
-        assert_eq!(penalties(without, BALANCED, 7.0).fall, 0);
     }
 }
