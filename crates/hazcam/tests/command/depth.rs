@@ -78,6 +78,9 @@ fn what_cannot_be_done_is_said_and_nothing_is_written() {
         ("depth d.pfm --focal 9 --baseline 1 --max-depth 0", "give a number above 0"),
         ("depth d.pfm --focal 9 --baseline 1 --principal 4", "give a column and a row"),
         ("depth d.pfm --focal 9 --baseline 1 -o z.bmp", "use one of .pfm"),
+        ("depth d.pfm --focal 9 --baseline 1 -o z.pfm --points z.pcd", "use one of .ply"),
+        ("depth d.pfm --focal 9 --baseline 1 -o z.pfm --uncertainty ./z.pfm", "both name ./z.pfm"),
+        ("depth d.pfm --focal 9 --baseline 1 -o d.pfm", "would replace an input"),
         ("depth d.pfm --focal 90000 --baseline 1 -o z.png", "millimetres holds 0 to 65.535 m"),
         (
             "depth d.pfm --focal 9 --baseline 1 --confidence small.pfm --min-confidence 0.5",

@@ -9,8 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::bail;
-use formats::Encoding;
+use camera::StereoCamera;
+use formats::{Encoding, Point, write_depth, write_points};
+use raster::Plane;
 
+use crate::outputs::{self, Output};
 use crate::ui::Ui;
 use kept::Limits;
 use reach::Reach;
@@ -43,7 +46,7 @@ pub struct Args {
     encoding: Encoding,
 
     #[command(flatten)]
-    camera: CameraArguments,
+    rig: CameraArguments,
 
     /// How sure each pixel is, from `hazcam match --confidence`: .pfm, .npy or .tiff
     #[arg(long, value_name = "FILE", help_heading = "Which pixels", requires = "min_confidence")]
@@ -98,6 +101,12 @@ fn share(text: &str) -> Result<f32, String> {
 
 /// Reads everything, writes all files or none, prints how far depth is good.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
+    let inputs =
+        [Some(&args.disparity), args.confidence.as_ref(), args.image.as_ref(), args.rig.file()];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    let anyone = StereoCamera::new(1.0, 1.0, 0.0, 0.0, 0.0)?;
+    outputs::check(&all(&args, &anyone, &Plane::filled(1, 1, 1.0), &[]), &inputs)?;
+
     let read = formats::read_disparity(&args.disparity, args.encoding)?;
     if let Some(note) = &read.note {
         ui.note(format_args!("{}: {note}", args.disparity.display()));
@@ -116,33 +125,54 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         }
         None => None,
     };
-    let camera = args.camera.camera(size, args.image.as_deref(), ui)?;
+    let camera = args.rig.camera(size, args.image.as_deref(), ui)?;
     let limits = Limits {
         confidence: confidence.as_ref().zip(args.min_confidence),
         max_depth: args.max_depth,
     };
     let (depths, counts) = kept::depths(&disparities, &camera, &limits);
 
-    if let Some(path) = &args.output {
-        formats::write_depth(path, &depths)?;
-    }
-    if let Some(path) = &args.uncertainty {
-        let of_depth = |&depth: &f32| {
-            let error = camera.depth_uncertainty(f64::from(depth), args.disparity_error);
-            error.map_or(f32::NAN, |error| error as f32)
-        };
-        formats::write_depth(path, &depths.map(of_depth))?;
-    }
-    if let Some(path) = &args.points {
-        let points = points::points(&disparities, &depths, &camera, image.as_ref());
-        formats::write_points(path, &points)?;
-    }
+    let points = args
+        .points
+        .as_ref()
+        .map(|_| points::points(&disparities, &depths, &camera, image.as_ref()));
+    outputs::write_all_or_none(&all(
+        &args,
+        &camera,
+        &depths,
+        points.as_deref().unwrap_or_default(),
+    ))?;
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);
     match args.json {
         true => ui.print(&(serde_json::to_string_pretty(&reach)? + "\n"))?,
         false => ui.print(&reach.text())?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Every file that was asked for, and what goes into it.
+fn all<'a>(
+    args: &'a Args,
+    camera: &'a StereoCamera,
+    depths: &'a Plane<f32>,
+    points: &'a [Point],
+) -> Vec<Output<'a>> {
+    let of_depth = |&depth: &f32| {
+        let error = camera.depth_uncertainty(f64::from(depth), args.disparity_error);
+        error.map_or(f32::NAN, |error| error as f32)
+    };
+    let mut all = Vec::new();
+    if let Some(path) = &args.output {
+        all.push(Output::new("--output", path, |path| write_depth(path, depths)));
+    }
+    if let Some(path) = &args.uncertainty {
+        let write = move |path: &Path| write_depth(path, &depths.map(of_depth));
+        all.push(Output::new("--uncertainty", path, write));
+    }
+    if let Some(path) = &args.points {
+        all.push(Output::new("--points", path, |path| write_points(path, points)));
+    }
+    all
 }
 
 /// Errors that name the files: `path` lies over the map.

@@ -43,6 +43,11 @@ fn principal_point(text: &str) -> Result<[f64; 2], String> {
 }
 
 impl CameraArguments {
+    /// The calibration, if one was named.
+    pub fn file(&self) -> Option<&PathBuf> {
+        self.calibration.as_ref()
+    }
+
     /// The camera of a map of this size; `image` is its left picture, if that was named.
     pub fn camera(
         &self,
