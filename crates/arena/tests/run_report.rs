@@ -136,6 +136,34 @@ fn errors_by_reason_are_shares_of_all_pixels() {
 }
 
 #[test]
+fn errors_by_confidence_are_shares_of_the_sure_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("sure");
+    let copy = format!("cp {0}/d.npy disparity.npy; cp {0}/c$i.npy confidence.npy", own.display());
+    let sure = engine(folder.path(), "sure", &copy);
+    // One pixel of four is off by 3 px: the least sure one of the first scene, the surest of the other.
+    let off = Plane::from_fn(4, 1, |x, _| if x == 0 { 13f32 } else { 10.0 });
+    npy::write(own.join("d.npy"), &off).unwrap();
+    for (job, sure) in [[0.1f32, 0.6, 0.95, 0.95], [0.8, 0.1, 0.1, 0.1]].into_iter().enumerate() {
+        let sure = Plane::new(4, 1, sure.to_vec()).unwrap();
+        npy::write(own.join(format!("c{}.npy", job + 1)), &sure).unwrap();
+    }
+    let silent = wrong_at(folder.path(), "silent", [1, 1]);
+    let records = outcome(&plan(vec![silent, sure], 1)).records;
+    let text = report::reliability_table(&records).to_csv();
+    let lines: Vec<&str> = text.lines().skip(1).collect();
+    let expected = [
+        "sure,0,100,25,0,0,3,3,3,25,b/two",
+        "sure,0.25,50,50,0,1.5,1.5,1.5,1.5,100,b/two",
+        "sure,0.5,50,50,0,1.5,1.5,1.5,1.5,100,b/two",
+        "sure,0.75,37.5,50,0,1.5,1.5,1.5,1.5,100,b/two",
+        // Nobody is as sure in the second scene, which counts with none of its pixels.
+        "sure,0.9,25,0,0,0,0,0,0,0,a/one",
+    ];
+    assert_eq!(lines, expected);
+}
+
+#[test]
 fn a_crash_is_a_row_and_the_rest_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let crashing = engine(folder.path(), "crashing", "echo 'oh no' >&2; exit 7;");

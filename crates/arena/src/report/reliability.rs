@@ -44,7 +44,7 @@ fn row(engine: &str, records: &[&Record], least: f32) -> Option<Vec<Cell>> {
     };
     // A scene none of whose pixels is as sure counts with a share of 0.
     let share = Cell::number(Some(100.0 * shares / records.len() as f64), 1);
-    let mut cells = vec![Cell::text(engine), Cell::text(&least.to_string()), share];
+    let mut cells = vec![Cell::text(engine), Cell::text(least.to_string()), share];
     cells.extend((0..6).map(|i| Cell::number(mean(i), 2)));
     cells.extend([Cell::number(worst.0[0], 2), Cell::text(worst.1)]);
     Some(cells)
