@@ -1,7 +1,7 @@
 //! Arguments that several commands take, read the same way everywhere.
 
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 use formats::FormatError;
@@ -27,6 +27,15 @@ pub fn threads(text: &str) -> Result<usize, String> {
         Ok(count @ 1..=1024) => Ok(count),
         _ => Err("give a whole number from 1 to 1024".into()),
     }
+}
+
+/// What the option names, else what the variable does; an empty variable names nothing.
+///
+/// Not clap's `env`, to which a variable that is set is an option that was given: it would be at odds
+/// with options that stand alone, and an error where it is empty.
+pub fn or_variable(option: Option<&Path>, variable: &str) -> Option<PathBuf> {
+    let set = || std::env::var_os(variable).filter(|value| !value.is_empty());
+    option.map(Path::to_owned).or_else(|| set().map(PathBuf::from))
 }
 
 /// An amount of memory, in bytes.

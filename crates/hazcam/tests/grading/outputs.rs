@@ -117,4 +117,20 @@ fn the_scheme_that_is_printed_can_be_used() {
     let path = classroom.path("mine.toml");
     let parsed = arena::grade::Scheme::parse(&scheme, &path).unwrap();
     assert_eq!(parsed, arena::grade::Scheme::course());
+    // Variables that are set are not options that were given.
+    let mut command = classroom.command("grade", &["--print-scheme"]);
+    let output = command.envs(VARIABLES.map(|name| (name, "x"))).output().unwrap();
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), scheme);
 }
+
+#[test]
+fn an_empty_variable_names_nothing() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let mut command = classroom.command("grade", &["--matcher", "fast", "--scheme", "small.toml"]);
+    let output = command.envs(VARIABLES.map(|name| (name, ""))).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), stderr.as_str()), (Some(0), ""));
+}
+
+/// The variables that can stand for options of `grade`.
+const VARIABLES: [&str; 3] = ["HAZCAM_DATA", "HAZCAM_ENGINES", "HAZCAM_PYTHON"];

@@ -23,8 +23,8 @@ pub struct EngineArguments {
     #[arg(short, long, value_name = "NAME", value_delimiter = ',')]
     engine: Vec<String>,
 
-    /// A folder with engines of your own, one TOML file each
-    #[arg(long, value_name = "DIR", env = "HAZCAM_ENGINES", hide_env_values = true)]
+    /// A folder with engines of your own, one TOML file each [env: HAZCAM_ENGINES]
+    #[arg(long, value_name = "DIR")]
     engines: Option<PathBuf>,
 
     /// Threads that each engine may use
@@ -50,8 +50,8 @@ impl EngineArguments {
         reference: Option<&str>,
     ) -> anyhow::Result<Vec<Definition>> {
         let mut known = Engines::built_in();
-        if let Some(folder) = &self.engines {
-            known.add_folder(folder)?;
+        if let Some(folder) = arguments::or_variable(self.engines.as_deref(), "HAZCAM_ENGINES") {
+            known.add_folder(&folder)?;
         }
         let own = Preset::ALL.map(Preset::name);
         let mut wanted: Vec<&str> = match self.matcher.is_empty() {

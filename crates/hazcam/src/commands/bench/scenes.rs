@@ -6,13 +6,14 @@ use anyhow::{Context, bail};
 use arena::dataset::{self, Case, Purpose};
 use glob::Pattern;
 
+use crate::arguments::or_variable;
+
 /// The scenes that take part.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Scenes")]
 pub struct SceneArguments {
     /// Folder with the data sets: a scenes.json, or the layouts of the course, Middlebury, ETH3D,
     /// KITTI [env: HAZCAM_DATA]
-    // Not clap's `env`: a variable that is set would then be at odds with --stress.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 
@@ -52,8 +53,7 @@ impl SceneArguments {
 
     /// All scenes of the folder that is named, whatever their use; nothing when none is named.
     pub fn on_disk(&self) -> anyhow::Result<Option<(PathBuf, Vec<Case>)>> {
-        let named = self.data.clone().or_else(|| std::env::var_os("HAZCAM_DATA").map(Into::into));
-        let Some(folder) = named.filter(|folder| !folder.as_os_str().is_empty()) else {
+        let Some(folder) = or_variable(self.data.as_deref(), "HAZCAM_DATA") else {
             return Ok(None);
         };
         let said_by = if self.data.is_some() { "--data" } else { "HAZCAM_DATA" };

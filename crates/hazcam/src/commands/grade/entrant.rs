@@ -8,6 +8,7 @@ use arena::grade::Entrant;
 use arena::submission::Submission;
 
 use super::grading::Workshop;
+use crate::arguments::or_variable;
 
 const NOBODY: &str = "name a submission, or engines with --matcher FAST:BEST";
 
@@ -22,8 +23,8 @@ pub struct EntrantArguments {
     #[arg(short, long, value_name = "FAST:BEST")]
     matcher: Option<String>,
 
-    /// A folder with engines of your own, one TOML file each
-    #[arg(long, value_name = "DIR", env = "HAZCAM_ENGINES", hide_env_values = true)]
+    /// A folder with engines of your own, one TOML file each [env: HAZCAM_ENGINES]
+    #[arg(long, value_name = "DIR")]
     engines: Option<PathBuf>,
 }
 
@@ -73,8 +74,9 @@ impl EntrantArguments {
             }
             (None, Some(matcher)) => {
                 let mut known = Engines::built_in();
-                if let Some(folder) = &self.engines {
-                    known.add_folder(folder)?;
+                let folder = or_variable(self.engines.as_deref(), "HAZCAM_ENGINES");
+                if let Some(folder) = folder {
+                    known.add_folder(&folder)?;
                 }
                 let (fast, best) = matcher.split_once(':').unwrap_or((matcher, matcher));
                 let engines =

@@ -11,6 +11,7 @@ use arena::sandbox;
 use arena::submission::{Python, Runner};
 
 use super::scenes;
+use crate::arguments::or_variable;
 use crate::ui::Ui;
 
 /// By what and how entrants are graded.
@@ -20,9 +21,8 @@ pub struct GradingArguments {
     #[arg(long, value_name = "FILE", help_heading = "Tests")]
     scheme: Option<PathBuf>,
 
-    /// Folder with the data sets that hold the scenes of the tests
-    #[arg(long, value_name = "DIR", env = "HAZCAM_DATA", hide_env_values = true)]
-    #[arg(help_heading = "Tests")]
+    /// Folder with the data sets that hold the scenes of the tests [env: HAZCAM_DATA]
+    #[arg(long, value_name = "DIR", help_heading = "Tests")]
     data: Option<PathBuf>,
 
     /// Run every test twice and say where the answers differ
@@ -52,9 +52,8 @@ pub struct GradingArguments {
     #[arg(long, help_heading = "Limits")]
     no_sandbox: bool,
 
-    /// The Python that runs submissions [default: python3 on PATH]
-    #[arg(long, value_name = "PROGRAM", env = "HAZCAM_PYTHON", hide_env_values = true)]
-    #[arg(help_heading = "Limits")]
+    /// The Python that runs submissions [env: HAZCAM_PYTHON] [default: python3 on PATH]
+    #[arg(long, value_name = "PROGRAM", help_heading = "Limits")]
     python: Option<PathBuf>,
 }
 
@@ -202,11 +201,12 @@ impl GradingArguments {
     fn load_scenes(&self, scheme: &Scheme) -> anyhow::Result<Scenes> {
         let elsewhere = |id: &String| !scheme.scenes.contains_key(id);
         let needs_data = scheme.tests.iter().map(|test| &test.scene).any(elsewhere);
-        let cases: Vec<Case> = match self.data.as_deref().filter(|p| !p.as_os_str().is_empty()) {
+        let data = or_variable(self.data.as_deref(), "HAZCAM_DATA");
+        let cases: Vec<Case> = match &data {
             Some(folder) if needs_data => dataset::open(folder).context("HAZCAM_DATA or --data")?,
             _ => Vec::new(),
         };
-        let remedy = match self.data {
+        let remedy = match data {
             Some(_) => "look at what HAZCAM_DATA or --data names",
             None => "set HAZCAM_DATA, or --data, to the folder with the course's images",
         };
