@@ -159,4 +159,10 @@ def _identify(folder):
             "secret_id() returned {!r} ({} characters), but {} to {} printable characters are "
             "needed".format(identifier[:40], len(identifier), SHORTEST, LONGEST)
         )
+    # The same rule as `is_secret_id`, which takes no other: it must not be dropped without a word.
+    if identifier != identifier.strip():
+        return None, (
+            "secret_id() returned {!r}, which begins or ends with a space: {} to {} printable "
+            "characters are needed, with no space at an end".format(identifier, SHORTEST, LONGEST)
+        )
     return identifier, None

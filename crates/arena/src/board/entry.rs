@@ -7,7 +7,7 @@ use crate::grade::{Report, TestResult};
 /// What a board keeps of one entrant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
-    /// The name that everybody sees: 4 to 32 printable characters.
+    /// The name that everybody sees: 4 to 32 printable characters, no space at an end.
     pub secret_id: String,
     /// Whether it is shown for comparison only.
     pub baseline: bool,

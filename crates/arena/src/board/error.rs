@@ -49,7 +49,10 @@ pub enum BoardError {
         known: String,
     },
     /// A name that cannot be one.
-    #[error("`{0}` cannot be a secret ID: it must have 4 to 32 printable characters")]
+    #[error(
+        "`{0}` cannot be a secret ID: it must have 4 to 32 printable characters, and no space at an \
+         end"
+    )]
     Name(String),
     /// The board ranks on another pair.
     #[error("{0}")]

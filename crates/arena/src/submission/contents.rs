@@ -220,7 +220,7 @@ pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
             Some(name) => format!("; there is `{name}`: rename it"),
             None if file == "secret_id.py" => {
                 "; it defines secret_id(), which returns the name for the leaderboard, 4 to 32 \
-                 printable characters"
+                 printable characters with no space at an end"
                     .to_owned()
             }
             None => format!("; it defines {stem}(Il, Ir, bbox, maxd)"),

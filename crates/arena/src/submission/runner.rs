@@ -60,7 +60,8 @@ impl Inspection {
     }
 }
 
-/// Whether this can be a secret ID: 4 to 32 printable characters.
+/// Whether this can be a secret ID: 4 to 32 printable characters, no space at an end.
+/// `inspecting.py` refuses at least the same, and tells the author why.
 pub fn is_secret_id(text: &str) -> bool {
     (4..=32).contains(&text.chars().count())
         && !text.chars().any(|c| c.is_control() || is_invisible(c))
@@ -119,7 +120,9 @@ mod tests {
         for good in ["abcd", "Jaff Bozos", "Ünïcödé ✓", &"x".repeat(32)] {
             assert!(is_secret_id(good), "{good:?}");
         }
-        for bad in ["abc", &"x".repeat(33), "a\nbcd", " abcd", "ab\u{202e}cd", "ab\u{200b}cd"] {
+        for bad in
+            ["abc", &"x".repeat(33), "a\nbcd", " abcd", "abcd ", "ab\u{202e}cd", "ab\u{200b}cd"]
+        {
             assert!(!is_secret_id(bad), "{bad:?}");
         }
     }

@@ -125,6 +125,11 @@ fn a_missing_or_useless_secret_id_costs_no_points() {
     for (content, words) in [
         (None, "the file is missing; it defines secret_id()"),
         (Some("def secret_id():\n    return 'ab'\n"), "'ab' (2 characters), but 4 to 32"),
+        (
+            Some("def secret_id():\n    return ' abcd'\n"),
+            "' abcd', which begins or ends with a space",
+        ),
+        (Some("def secret_id():\n    return 'abcd '\n"), "with no space at an end"),
         (Some("def secret_id():\n    return 7\n"), "returned a int, but a string is needed"),
         (Some("secret_id = 'abcdef'\n"), "is a str and no function: write `def secret_id"),
         (Some("def secret_id():\n    return 1 / 0\n"), "ZeroDivisionError"),

@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", help_heading = "Entry")]
     owner: Option<String>,
 
-    /// The name on the board, 4 to 32 printable characters
+    /// The name on the board, 4 to 32 printable characters, no space at an end
     /// [default: what secret_id() returns, or the engines' names]
     #[arg(long, value_name = "NAME", help_heading = "Entry")]
     secret_id: Option<String>,

@@ -12,7 +12,7 @@ use crate::ui::Ui;
 pub struct RenameArgs {
     /// The secret ID on the board
     from: String,
-    /// The new one, 4 to 32 printable characters
+    /// The new one, 4 to 32 printable characters, no space at an end
     to: String,
 }
 
