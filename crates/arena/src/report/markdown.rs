@@ -3,9 +3,9 @@
 use super::table::{Cell, Table};
 
 impl Table {
-    /// The table in Markdown, each line ended by a line feed.
+    /// The table in Markdown, each line ended by a line feed. Cells stay the text that they are: a
+    /// name may not be HTML on the page that shows the table.
     pub fn to_markdown(&self) -> String {
-        let escaped = |cell: &str| cell.replace('|', "\\|");
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let mut text = line(self.columns.iter().map(|column| escaped(&column.name)).collect());
         let rules = (0..self.columns.len()).map(|i| {
@@ -22,6 +22,12 @@ impl Table {
     }
 }
 
+/// A cell in which nothing ends the cell or is HTML.
+fn escaped(cell: &str) -> String {
+    let html = cell.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    html.replace('|', "\\|")
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::table::Column;
@@ -34,5 +40,13 @@ mod tests {
             rows: vec![vec![Cell::text("x|y"), Cell::Number(0.5, 2)]],
         };
         assert_eq!(table.to_markdown(), "| a | b |\n| --- | ---: |\n| x\\|y | 0.50 |\n");
+    }
+
+    #[test]
+    fn a_name_is_no_html() {
+        let table =
+            Table { columns: vec![Column::new("a")], rows: vec![vec![Cell::text("<b>R&D</b>")]] };
+        let last = "| &lt;b&gt;R&amp;D&lt;/b&gt; |\n";
+        assert!(table.to_markdown().ends_with(last), "{}", table.to_markdown());
     }
 }
