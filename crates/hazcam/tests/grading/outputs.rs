@@ -90,6 +90,38 @@ fn the_status_says_when_points_are_missing_or_the_grader_failed() {
 }
 
 #[test]
+fn no_score_is_written_when_the_grader_failed() {
+    let Some(classroom) = Classroom::with_plain_python() else { return };
+    classroom.submission("handin", HONEST);
+    let graded = |form: &str, output: &[&str]| {
+        let mut all = vec!["handin", "--scheme", "small.toml", "--format", form];
+        all.extend(["--python", "/nonexistent/python"]);
+        all.extend(output);
+        classroom.run(&all)
+    };
+    for form in ["gradescope", "autolab"] {
+        let (status, stdout, stderr) = graded(form, &["-o", "results.json"]);
+        assert_eq!(status, 2, "{form}");
+        assert!(stdout.contains("XX: the grader failed"), "{form}: {stdout}");
+        assert!(
+            stderr.contains("the grader failed in `Part 1, wall`, `Part 2, wall` ("),
+            "{stderr}"
+        );
+        assert!(!classroom.path("results.json").exists(), "{form}");
+        let (status, stdout, stderr) = graded(form, &[]);
+        assert_eq!(status, 2, "{form}");
+        assert!(stderr.contains("/nonexistent/python"), "{form}: {stderr}");
+        assert!(!stdout.contains("score"), "{form}: {stdout}");
+    }
+    // These tell the grader's fault from the entrant's.
+    for (form, word) in [("json", "\"XX\""), ("junit", "errors=\"2\"")] {
+        assert_eq!(graded(form, &["-o", form]).0, 2);
+        let results = std::fs::read_to_string(classroom.path(form)).unwrap();
+        assert!(results.contains(word), "{results}");
+    }
+}
+
+#[test]
 fn mistakes_on_the_command_line_are_named() {
     let Some(classroom) = Classroom::without_python() else { return };
     std::fs::write(classroom.path("bad.toml"), "name = 'x'\n[[test]]\nname = 'a'\n").unwrap();

@@ -10,8 +10,9 @@ pub mod scenes;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use anyhow::bail;
 use arena::grade::output::{autolab, gradescope, junit, text};
-use arena::grade::{COURSE, Event, Report};
+use arena::grade::{COURSE, Event, Outcome, Report};
 
 use crate::cli::{ERROR, THRESHOLD_FAILED};
 use crate::ui::Ui;
@@ -31,7 +32,8 @@ How a test ends:
   RE   run-time error: an exception, a missing file or function
   TO   out of CPU or wall time      ML   out of memory      SG   ended by a signal
   BAD  the answer is no disparity map: wrong shape, type or values
-  XX   the grader failed, and not the entrant: the exit status is 2
+  XX   the grader failed, and not the entrant: the exit status is 2, and autolab and gradescope,
+       which know no such end, get no results
 
 The limits of CPU time are part of the scheme, 600 s on Cones and Teddy and 3000 s on KITTI: loops
 in plain Python, which take 100 to 300 s on Cones, pass; what hangs is stopped. Wall time is limited
@@ -101,6 +103,14 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if shows_text && shown.is_ok() {
         shown = ui.print(&text::summary(&report));
     }
+    if report.grader_failed() && matches!(args.format.as_str(), "autolab" | "gradescope") {
+        // They would take the points for the entrant's, and nothing is known of the entrant.
+        bail!(
+            "no results for {}, because the grader failed in {}: mend that and grade again",
+            args.format,
+            graders_faults(&report)
+        );
+    }
     let results = results(&args.format, &report)?;
     match &args.output {
         Some(path) => {
@@ -126,6 +136,14 @@ pub fn show(event: &Event<'_>, ui: &Ui) -> anyhow::Result<()> {
         Event::Begins(test) => ui.print(&text::begins(test)),
         Event::Ended(result) => ui.print(&text::ended(result)),
     }
+}
+
+/// The tests in which the grader failed, and why in the first: the text may not have been shown.
+fn graders_faults(report: &Report) -> String {
+    let failed = || report.tests.iter().filter(|test| test.outcome == Outcome::Xx);
+    let names: Vec<String> = failed().map(|test| format!("`{}`", test.name)).collect();
+    let why = failed().find_map(|test| test.message.as_deref()).unwrap_or("no reason is known");
+    format!("{} ({why})", names.join(", "))
 }
 
 /// What the format adds to the text, which has been shown by now.
