@@ -42,7 +42,7 @@ fn writer() {
         Picture { test: "h".into(), disparity: vec![7; 200_000], error: vec![8; 200_000] };
     for n in 0.. {
         let id = format!("{}-{n}", std::process::id());
-        board.add(&id, &entry(&id), std::slice::from_ref(&picture), &[]).unwrap();
+        board.add(id.as_str(), &entry(&id), std::slice::from_ref(&picture), &[]).unwrap();
         println!("\nwritten {id}");
     }
 }

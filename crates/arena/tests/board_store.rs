@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use arena::board::{Added, Board, BoardError, Entry, Holdout, Picture};
+use arena::board::{Added, Board, BoardError, Entry, Holdout, Owner, Picture};
 
 /// An entry of this name, made from what JSON needs to say.
 fn entry(secret_id: &str) -> Entry {
@@ -70,6 +70,23 @@ fn an_owner_has_one_entry_and_a_name_one_owner() {
 }
 
 #[test]
+fn a_guessed_owner_replaces_only_an_entry_of_the_same_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut board = begin(&folder.path().join("board.sqlite"));
+    let guessed = Owner::Guessed("handin");
+    assert_eq!(board.add(guessed, &entry("first"), &[], &[]).unwrap(), Added::New);
+    let again = Added::Replaced("first".into());
+    assert_eq!(board.add(guessed, &entry("First"), &[], &[]).unwrap(), again);
+    assert!(matches!(board.admit(guessed, "second"), Err(BoardError::Guessed { .. })));
+    let refused = board.add(guessed, &entry("second"), &[], &[]).unwrap_err();
+    assert!(matches!(refused, BoardError::Guessed { .. }), "{refused}");
+    assert_eq!(names(&board), ["First"]);
+    board.admit("handin", "second").unwrap();
+    assert!(board.add("handin", &entry("second"), &[], &[]).is_ok());
+    assert_eq!(names(&board), ["second"]);
+}
+
+#[test]
 fn names_are_changed_and_taken_off() {
     let folder = tempfile::tempdir().unwrap();
     let mut board = begin(&folder.path().join("board.sqlite"));
@@ -98,7 +115,7 @@ fn many_at_once_lose_nothing() {
             scope.spawn(move || {
                 for n in 0..10 {
                     let id = format!("{writer} has {n}");
-                    begin(path).add(&id, &entry(&id), &[], &[]).unwrap();
+                    begin(path).add(id.as_str(), &entry(&id), &[], &[]).unwrap();
                 }
             });
         }

@@ -29,6 +29,31 @@ impl Entry {
     }
 }
 
+/// Whose an entry is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner<'a> {
+    /// Somebody said so: an earlier entry is replaced whatever it is called.
+    Given(&'a str),
+    /// Taken from a file's name, which may be the same for everybody: an earlier entry is replaced
+    /// only by one of the same secret ID.
+    Guessed(&'a str),
+}
+
+impl<'a> Owner<'a> {
+    /// What the owner is called.
+    pub fn name(self) -> &'a str {
+        match self {
+            Self::Given(name) | Self::Guessed(name) => name,
+        }
+    }
+}
+
+impl<'a> From<&'a str> for Owner<'a> {
+    fn from(name: &'a str) -> Self {
+        Self::Given(name)
+    }
+}
+
 /// Whether this can name an owner: 1 to 200 characters that can be seen.
 pub fn is_owner(text: &str) -> bool {
     (1..=200).contains(&text.chars().count())

@@ -40,6 +40,20 @@ pub enum BoardError {
     /// Somebody else has this name.
     #[error("the secret ID `{0}` is taken: choose another, or rename or remove that entry")]
     Taken(String),
+    /// An owner that nobody gave has an entry of another name.
+    #[error(
+        "no --owner was given, and `{owner}`, taken from the entrant's name, has an entry already, \
+         `{before}` and not `{id}`: give --owner '{owner}' to put this one in its place, or another \
+         --owner NAME for somebody else"
+    )]
+    Guessed {
+        /// The owner's name.
+        owner: String,
+        /// The name of the entry on the board.
+        before: String,
+        /// The name of the entry that was to be added.
+        id: String,
+    },
     /// Nobody has this name.
     #[error("nobody on the board is called `{name}`; there are {known}")]
     Unknown {

@@ -16,8 +16,8 @@
 //! Baselines are shown where they would stand, and take neither a place nor a bonus.
 //!
 //! **Names.** Everybody is known by a secret ID. An owner (a student's number, say; shown nowhere)
-//! has one entry: a later one takes its place, whatever its ID. An ID that somebody else has is
-//! refused.
+//! has one entry: a later one takes its place, whatever its ID; where the owner was only guessed from
+//! a file's name, one with the same ID ([`Owner`]). An ID that somebody else has is refused.
 
 mod entry;
 mod error;
@@ -28,7 +28,7 @@ mod schema;
 mod standing;
 mod store;
 
-pub use entry::{Entry, is_owner};
+pub use entry::{Entry, Owner, is_owner};
 pub use error::BoardError;
 pub use holdout::Holdout;
 pub use listing::table;

@@ -12,7 +12,7 @@ use rusqlite::{
     Connection, ErrorCode, OpenFlags, OptionalExtension, Transaction, TransactionBehavior, params,
 };
 
-use super::entry::Entry;
+use super::entry::{Entry, Owner};
 use super::error::BoardError;
 use super::holdout::Holdout;
 use super::picture::{Picture, SceneTruth};
@@ -117,39 +117,35 @@ impl Board {
 
     /// Puts an entry on the board, in the place of its owner's earlier one if there is one.
     ///
-    /// Errors when the secret ID is none or somebody else's; then nothing is changed.
-    pub fn add(
+    /// Errors as [`Board::admit`] does; then nothing is changed.
+    pub fn add<'a>(
         &mut self,
-        owner: &str,
+        owner: impl Into<Owner<'a>>,
         entry: &Entry,
         pictures: &[Picture],
         truths: &[SceneTruth],
     ) -> Result<Added, BoardError> {
-        let id = &entry.secret_id;
-        if !is_secret_id(id) {
-            return Err(BoardError::Name(id.clone()));
-        }
-        let folded = id.to_lowercase();
+        let owner = owner.into();
         let path = self.path.clone();
         let failed = |source| failure(&path, source);
         let transaction = self
             .connection
             .transaction_with_behavior(TransactionBehavior::Immediate)
             .map_err(failed)?;
-        let holder: Option<String> = transaction
-            .query_row("SELECT owner FROM entry WHERE folded = ?", [&folded], |row| row.get(0))
-            .optional()
-            .map_err(failed)?;
-        if holder.is_some_and(|holder| holder != owner) {
-            return Err(BoardError::Taken(id.clone()));
-        }
-        let before: Option<String> = transaction
-            .query_row("SELECT secret_id FROM entry WHERE owner = ?", [owner], |row| row.get(0))
-            .optional()
-            .map_err(failed)?;
-        replace(&transaction, owner, entry.clone(), pictures, truths).map_err(failed)?;
+        let before = earlier(&transaction, &path, owner, &entry.secret_id)?;
+        replace(&transaction, owner.name(), entry.clone(), pictures, truths).map_err(failed)?;
         transaction.commit().map_err(failed)?;
         Ok(before.map_or(Added::New, Added::Replaced))
+    }
+
+    /// Errors when this owner could not add an entry of this secret ID: it is none, somebody
+    /// else's, or the owner was guessed and has an entry of another ID.
+    pub fn admit<'a>(
+        &self,
+        owner: impl Into<Owner<'a>>,
+        secret_id: &str,
+    ) -> Result<(), BoardError> {
+        earlier(&self.connection, &self.path, owner.into(), secret_id).map(drop)
     }
 
     /// Everybody, earliest first.
@@ -257,6 +253,35 @@ fn begin(transaction: &Transaction<'_>, holdout: &str, fingerprint: &str) -> rus
         params![holdout, fingerprint],
     )?;
     Ok(())
+}
+
+/// What the owner's entry is called in whose place one of this secret ID may come. Errors when it
+/// may not.
+fn earlier(
+    connection: &Connection,
+    path: &Path,
+    owner: Owner<'_>,
+    id: &str,
+) -> Result<Option<String>, BoardError> {
+    if !is_secret_id(id) {
+        return Err(BoardError::Name(id.to_owned()));
+    }
+    let folded = id.to_lowercase();
+    let ask = |query: &str, key: &str| -> Result<Option<String>, BoardError> {
+        let answer = connection.query_row(query, [key], |row| row.get(0));
+        answer.optional().map_err(|source| failure(path, source))
+    };
+    let holder = ask("SELECT owner FROM entry WHERE folded = ?", &folded)?;
+    if holder.is_some_and(|holder| holder != owner.name()) {
+        return Err(BoardError::Taken(id.to_owned()));
+    }
+    let before = ask("SELECT secret_id FROM entry WHERE owner = ?", owner.name())?;
+    match (owner, before) {
+        (Owner::Guessed(owner), Some(before)) if before.to_lowercase() != folded => {
+            Err(BoardError::Guessed { owner: owner.to_owned(), before, id: id.to_owned() })
+        }
+        (_, before) => Ok(before),
+    }
 }
 
 /// Writes an entry with all that belongs to it, in the place of its owner's earlier one.

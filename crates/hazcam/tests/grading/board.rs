@@ -109,8 +109,8 @@ fn entrants_are_ranked_renamed_and_removed() {
     // The sky has no disparity, and what is left of the box is not asked for.
     assert!((1..=136 * 150).contains(&scores["pixels"].as_u64().unwrap()), "{scores}");
 
-    let (status, _, stderr) = course.run(&with(&["--matcher", "fast", "--secret-id", "zwei"]));
-    assert_eq!(status, 2);
+    let (status, stdout, stderr) = course.run(&with(&["--matcher", "fast", "--secret-id", "zwei"]));
+    assert_eq!((status, stdout.as_str()), (2, ""), "refused before the work");
     assert!(stderr.contains("the secret ID `zwei` is taken"), "{stderr}");
     let text = course.done(&with(&["--matcher", "fast", "--owner", "him", "--secret-id", "Drei"]));
     assert!(text.contains("in the place of the earlier entry `Zwei` of him"), "{text}");
@@ -134,7 +134,10 @@ fn a_submission_is_entered_under_its_secret_id() {
     let (status, _, stderr) = course.run(&with(&["alice"]));
     assert_eq!(status, 2);
     assert!(stderr.contains("no usable secret ID"), "{stderr}");
-    let text = course.done(&with(&["alice", "--secret-id", "Ally"]));
+    let (status, stdout, stderr) = course.run(&with(&["alice", "--secret-id", "Ally"]));
+    assert_eq!((status, stdout.as_str()), (2, ""), "refused before the work");
+    assert!(stderr.contains("give --owner 'alice'"), "{stderr}");
+    let text = course.done(&with(&["alice", "--secret-id", "Ally", "--owner", "alice"]));
     assert!(text.contains("in the place of the earlier entry `Secret alice` of alice"), "{text}");
     // One that crashes on the hold-out is entered, without a place.
     let crash = "def NAME(Il, Ir, bbox, maxd):\n    assert maxd < 20\n    return Il * 0 + 5\n";
@@ -144,6 +147,27 @@ fn a_submission_is_entered_under_its_secret_id() {
     let text = course.done(&with(&["bob"]));
     assert!(text.contains("without a place, since it has no answer on the hold-out"), "{text}");
     assert!(text.contains("AssertionError"), "{text}");
+}
+
+#[test]
+fn hand_ins_of_one_file_name_do_not_replace_each_other() {
+    let Some(course) = Course::with_python() else { return };
+    course.0.submission("alice/handin", HONEST);
+    course.0.submission("bob/handin", HONEST);
+    course.done(&with(&["alice/handin"]));
+    let (status, _, stderr) = course.run(&with(&["bob/handin"]));
+    assert_eq!(status, 2);
+    for words in ["`handin`", "`Secret alice/handin` and not `Secret bob/handin`", "--owner NAME"] {
+        assert!(stderr.contains(words), "`{words}` is not in: {stderr}");
+    }
+    course.done(&with(&["bob/handin", "--owner", "bob"]));
+    assert_eq!(course.ranking().len(), 2);
+    // The folder where one is has a name as well.
+    let mut command = course.0.command("board", &["add", ".", "--scheme", "../../small.toml"]);
+    command.args(["--board", "../../board.sqlite"]).current_dir(course.0.path("alice/handin"));
+    let output = command.output().unwrap();
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    assert!(stdout.contains("earlier entry `Secret alice/handin` of handin"), "{stdout}");
 }
 
 #[test]

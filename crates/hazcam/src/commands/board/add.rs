@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail};
 use arena::board::{
-    Added, Board, BoardError, Entry, Holdout, Picture, SceneTruth, is_owner, standings,
+    Added, Board, BoardError, Entry, Holdout, Owner, Picture, SceneTruth, is_owner, standings,
 };
 use arena::grade::output::text;
 use arena::grade::{Event, Outcome, Scene, Scheme};
@@ -26,7 +26,8 @@ pub struct Args {
     #[command(flatten)]
     grading: GradingArguments,
 
-    /// Whose entry it is, shown nowhere: everybody has one
+    /// Whose entry it is, shown nowhere: everybody has one. Where it is not given, an earlier entry
+    /// is replaced only by one of the same secret ID
     /// [default: the submission's name without its ending, or the engines']
     #[arg(long, value_name = "NAME", help_heading = "Entry")]
     owner: Option<String>,
@@ -49,8 +50,13 @@ pub struct Args {
 /// Grades, showing each test as `grade` does, and enters the results.
 pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     args.entrant.check()?;
-    let owner = args.owner.clone().unwrap_or_else(|| args.entrant.owner());
-    if !is_owner(&owner) {
+    let guessed = args.entrant.owner();
+    let owner = match &args.owner {
+        Some(name) => Owner::Given(name),
+        None => Owner::Guessed(&guessed),
+    };
+    if !is_owner(owner.name()) {
+        let owner = owner.name();
         bail!("`{owner}` cannot name an owner: give 1 to 200 printable characters with --owner");
     }
     if let Some(id) = args.secret_id.as_ref().filter(|id| !is_secret_id(id)) {
@@ -60,6 +66,11 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
+    // What is refused in the end is refused before the work, where the name is known by now.
+    let named = args.secret_id.clone().or(args.entrant.matcher());
+    if let Some(id) = named.filter(|id| is_secret_id(id)) {
+        board.admit(owner, &id)?;
+    }
     let mut grader = workshop.grader()?;
     // The scheme's tests must not tell what the hold-out is either.
     grader.secrets = scene.secrets.clone();
@@ -103,7 +114,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         holdout: result,
         machine: describe(&Machine::this(None)),
     };
-    let added = board.add(&owner, &entry, &pictures, &truths)?;
+    let added = board.add(owner, &entry, &pictures, &truths)?;
     let standings = standings(board.entries()?, &holdout.test);
     let standing = standings.iter().find(|standing| standing.entry.secret_id == secret_id);
     let place = match standing.and_then(|standing| standing.place) {
@@ -114,7 +125,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let before = match added {
         Added::New => String::new(),
         Added::Replaced(before) => {
-            format!(", in the place of the earlier entry `{before}` of {owner}")
+            format!(", in the place of the earlier entry `{before}` of {}", owner.name())
         }
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;

@@ -44,7 +44,12 @@ impl EntrantArguments {
 
     /// The submission's name without folder and endings, or the engines' names.
     pub fn owner(&self) -> String {
-        let submission = self.submission.as_deref().and_then(Path::file_name);
+        let named = |path: &Path| path.file_name().map(ToOwned::to_owned);
+        // `.` and `..` are called what their folder is.
+        let submission = self
+            .submission
+            .as_deref()
+            .and_then(|path| named(path).or_else(|| named(&path.canonicalize().ok()?)));
         match (submission, &self.matcher) {
             (Some(name), _) => {
                 let name = name.to_string_lossy();
