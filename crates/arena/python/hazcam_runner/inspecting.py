@@ -127,7 +127,11 @@ def _older_names(tree):
 
 
 def _small_types(tree):
-    """Types in which differences of grey values wrap around."""
+    """Types in which differences of grey values would wrap around.
+
+    Whether anything is calculated in them is not known from the source alone, so what is said is
+    when it matters: a result may well be kept in them.
+    """
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
             continue
@@ -136,8 +140,11 @@ def _small_types(tree):
             name = getattr(given, "attr", None) or getattr(given, "value", None)
             if name in ("uint8", "int8"):
                 text = (
-                    "numbers of type {} wrap around (in uint8, 3 - 5 is 254 and 200 + 100 is 44): "
-                    "leave grey values and disparities float32, as the images come".format(name)
+                    "if sums or differences are taken in {0}, they wrap around (in uint8, 3 - 5 is "
+                    "254 and 200 + 100 is 44): leave grey values float32 then, as the images come; "
+                    "whole numbers up to {1} that are only kept may be {0}".format(
+                        name, {"uint8": 255, "int8": 127}[name]
+                    )
                 )
                 yield node.lineno, text, False
                 return

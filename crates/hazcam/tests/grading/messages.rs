@@ -147,6 +147,20 @@ fn a_missing_or_useless_secret_id_costs_no_points() {
 }
 
 #[test]
+fn a_result_kept_in_a_small_type_is_no_mistake() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let source = HONEST.replace("return Id", "return Id.astype(np.uint8)");
+    let report = classroom.grade_source(&source);
+    report.expect("OK", &[]);
+    let findings = report.findings();
+    for words in
+        ["if sums or differences are taken in uint8", "up to 255 that are only kept may be"]
+    {
+        assert!(findings.contains(words), "`{words}` is not in: {findings}");
+    }
+}
+
+#[test]
 fn files_of_the_wrong_name_are_found() {
     let Some(classroom) = Classroom::with_python() else { return };
     let folder = classroom.submission("renamed", HONEST);
