@@ -230,6 +230,48 @@ fn what_was_assumed_is_told_unless_told_not_to() {
 }
 
 #[test]
+fn a_pair_that_is_none_is_warned_of_though_notes_are_off() {
+    let folder = Folder::with_pair(100, 60);
+    let told = "warning: only ";
+    let outcome = folder.run("match left.png right.png -o d.pfm -d 20").done();
+    assert!(!outcome.stderr.contains(told), "{}", outcome.stderr);
+    for (left, right, range) in
+        [("right.png", "left.png", "-d 20"), ("left.png", "right.png", "-d 30 --min-disparity 8")]
+    {
+        for matcher in ["fast", "balanced", "best"] {
+            let arguments = format!("-q match {left} {right} -o d.pfm {range} -m {matcher}");
+            let outcome = folder.run(&arguments).done();
+            assert!(outcome.stderr.starts_with(told), "{arguments}: {}", outcome.stderr);
+            for part in [left, "exchange", "--max-disparity", "rectified", "texture"] {
+                assert!(outcome.stderr.contains(part), "{part}: {}", outcome.stderr);
+            }
+        }
+    }
+    let dark =
+        formats::write_image(folder.path("dark.png"), &Image::Grey8(Plane::filled(100, 60, 0)));
+    dark.unwrap();
+    let outcome = folder.run("match dark.png dark.png -o d.pfm -d 20").done();
+    assert!(outcome.stderr.contains("warning: only 0.0 % of the pixels"), "{}", outcome.stderr);
+}
+
+#[test]
+fn a_range_that_ends_where_things_are_is_told() {
+    let folder = Folder::with_pair(100, 60);
+    let told = |range: &str| {
+        let arguments = format!("match left.png right.png -o d.pfm {range}");
+        folder.run(&arguments).done().stderr
+    };
+    let both = told("--min-disparity -15 -d 20");
+    assert!(!both.contains("there may be"), "{both}");
+    let nearer = told("--min-disparity -15 -d 3");
+    assert!(nearer.contains("at the largest disparity, 3"), "{nearer}");
+    assert!(nearer.contains("raise --max-disparity"), "{nearer}");
+    let farther = told("--min-disparity 3 -d 20");
+    assert!(farther.contains("at the smallest disparity, 3"), "{farther}");
+    assert!(farther.contains("lower --min-disparity"), "{farther}");
+}
+
+#[test]
 fn the_number_of_threads_changes_nothing() {
     let folder = Folder::with_pair(64, 40);
     let bytes = |options: &str| {

@@ -1,6 +1,7 @@
 //! `hazcam match`: two images in, a disparity map out.
 
 mod bits;
+mod doubt;
 mod outputs;
 mod profile;
 mod sidecar;
@@ -15,6 +16,7 @@ use raster::{BoundingBox, DisparityRange, Image};
 use crate::arguments;
 use crate::clock::Stopwatch;
 use crate::ui::Ui;
+use doubt::Doubt;
 use outputs::Outputs;
 use sidecar::{Inputs, Sidecar};
 
@@ -192,12 +194,41 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         100.0 * sidecar.matched(),
         if options.holes == Holes::Fill { ", the rest filled" } else { ", the rest left open" },
     ));
+    for doubt in doubt::doubts(map, bounds, options.range) {
+        tell(doubt, &args, options.range, ui);
+    }
     if args.profile {
         // The first frame is also the one for which memory is fetched.
         matcher.compute(&left, &right, args.bounds)?;
         ui.print(&profile::table(&matcher, bounds))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Says what is doubtful, what it may come from, and what to do.
+fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
+    let (min, max) = (range.min(), range.max());
+    match doubt {
+        Doubt::HardlyMatched(share) => ui.warn(format_args!(
+            "only {:.1} % of the pixels are matched, so {} is hardly an answer. Either {} is not \
+             the left image of the two (exchange them), or things lie outside disparities {min} to \
+             {max} (raise --max-disparity, lower --min-disparity), or the two are no rectified pair \
+             of one scene (rectify them), or they have no texture",
+            100.0 * share,
+            args.output.display(),
+            args.left.display(),
+        )),
+        Doubt::Nearer(share) => ui.note(format_args!(
+            "{:.1} % of the matched pixels lie at the largest disparity, {max}: there may be \
+             nearer things that are missed; raise --max-disparity",
+            100.0 * share,
+        )),
+        Doubt::Farther(share) => ui.note(format_args!(
+            "{:.1} % of the matched pixels lie at the smallest disparity, {min}: there may be \
+             farther things that are missed; lower --min-disparity",
+            100.0 * share,
+        )),
+    }
 }
 
 /// Errors that name the files rather than "left" and "right".
