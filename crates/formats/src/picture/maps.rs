@@ -40,8 +40,8 @@ pub fn reasons(reasons: &Plane<Reason>) -> Plane<[u8; 3]> {
 }
 
 /// Confidence from 0 (black) to 1 (white) in grey.
-pub fn confidence(confidence: &Plane<f32>) -> Plane<[u8; 3]> {
-    confidence.map(|&value| [(value.clamp(0.0, 1.0) * 255.0).round() as u8; 3])
+pub fn confidence(confidence: &Plane<f32>) -> Plane<u8> {
+    confidence.map(|&value| (value.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
 #[cfg(test)]
@@ -70,6 +70,6 @@ mod tests {
     #[test]
     fn confidence_is_grey() {
         let values = Plane::new(4, 1, vec![0.0, 0.5, 1.0, f32::NAN]).unwrap();
-        assert_eq!(confidence(&values).samples(), [[0; 3], [128; 3], [255; 3], [0; 3]]);
+        assert_eq!(confidence(&values).samples(), [0, 128, 255, 0]);
     }
 }

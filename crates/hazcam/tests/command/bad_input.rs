@@ -120,6 +120,16 @@ fn an_unknown_output_extension() {
     folder.refuses("match left.png right.png -o d.exr", &expected);
     folder.refuses("match left.png right.png -o d", &["no extension", ".pfm, .npy"]);
     folder.refuses(&format!("{MATCH} --preview p.pfm"), &["p.pfm", ".png"]);
+    // Pictures in colours are not written as grey ones, nor is a confidence in KITTI's numbers.
+    for option in ["preview", "reasons"] {
+        for name in ["x.pgm", "x.jpg"] {
+            let expected =
+                [&format!("the format of {name} from"), "use one of .png, .ppm (colour)\n"];
+            folder.refuses(&format!("{MATCH} --{option} {name}"), &expected);
+        }
+    }
+    let expected = ["the format of c.ppm", ".pfm, .npy, .tiff (float32), .png (grey picture)\n"];
+    folder.refuses(&format!("{MATCH} --confidence c.ppm"), &expected);
 }
 
 #[test]

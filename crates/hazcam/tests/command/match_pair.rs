@@ -151,6 +151,9 @@ fn other_files_come_on_request() {
     let confidence = disparities(folder.path("c.npy"));
     assert!(confidence.samples().iter().all(|v| (0.0..=1.0).contains(v)));
     assert_eq!(formats::read_image(folder.path("p.png")).unwrap().size(), (32, 20));
+    folder.run("match left.png right.png -o d.pfm -d 8 --confidence c.png").done();
+    let picture = formats::read_image(folder.path("c.png")).unwrap();
+    assert!(matches!(picture, Image::Grey8(_)), "a confidence is a grey picture");
 }
 
 #[test]

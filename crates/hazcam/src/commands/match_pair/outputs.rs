@@ -27,11 +27,31 @@ fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
-/// A confidence as a picture or as numbers, by extension.
+/// A confidence as a grey picture or as numbers, by extension.
 fn write_confidence(path: &Path, confidence: &Plane<f32>) -> Result<(), FormatError> {
-    match is_png(path) {
-        true => write_image(path, &Image::Rgb8(picture::confidence(confidence))),
-        false => write_disparity(path, confidence),
+    if is_png(path) {
+        return write_image(path, &Image::Grey8(picture::confidence(confidence)));
+    }
+    write_disparity(path, confidence).map_err(|error| match error {
+        // Disparities stand in other numbers in a PNG.
+        FormatError::UnknownExtension { path, .. } => {
+            FormatError::UnknownExtension { path, known: CONFIDENCE }
+        }
+        other => other,
+    })
+}
+
+/// What confidence is written as, and pictures in colours.
+const CONFIDENCE: &str = ".pfm, .npy, .tiff (float32), .png (grey picture)";
+const COLOURS: &str = ".png, .ppm (colour)";
+
+/// A picture in colours, by extension.
+fn write_colours(path: &Path, colours: Plane<[u8; 3]>) -> Result<(), FormatError> {
+    // A .pgm is a picture, too, but a grey one.
+    let is = |colour: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(colour));
+    match is("png") || is("ppm") {
+        true => write_image(path, &Image::Rgb8(colours)),
+        false => Err(FormatError::UnknownExtension { path: path.to_owned(), known: COLOURS }),
     }
 }
 
@@ -66,7 +86,7 @@ impl Outputs {
             all.push(Output::new("--preview", path, move |path| {
                 let (min, max) = (range.min() as f32, range.max() as f32);
                 let colours = picture::disparity(&map.values, min, max, ColourMap::Turbo);
-                write_image(path, &Image::Rgb8(colours))
+                write_colours(path, colours)
             }));
         }
         if let Some(path) = &self.confidence {
@@ -75,7 +95,7 @@ impl Outputs {
         }
         if let Some(path) = &self.reasons {
             all.push(Output::new("--reasons", path, |path| {
-                write_image(path, &Image::Rgb8(picture::reasons(&map.reasons)))
+                write_colours(path, picture::reasons(&map.reasons))
             }));
         }
         all
