@@ -97,9 +97,21 @@ const MOST_LINKS: usize = 40;
 pub(crate) fn failed(path: &Path, error: io::Error) -> FormatError {
     let (problem, source) = match explain(path, &error) {
         Some(problem) => (problem, None),
-        None => (error.to_string(), Some(error)),
+        None => {
+            let error = without_path(error);
+            (error.to_string(), Some(error))
+        }
     };
     FormatError::Write { path: path.to_owned(), problem, source }
+}
+
+/// What the system said, where a temporary file's path was put behind it: nobody has heard of that.
+fn without_path(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((said, path)) if path.contains(PREFIX) => io::Error::new(error.kind(), said),
+        _ => error,
+    }
 }
 
 /// A temporary file in the folder of `target`, with the rights that any new file gets.
@@ -142,10 +154,13 @@ fn explain(path: &Path, error: &io::Error) -> Option<String> {
         Some(format!("the folder {} does not exist; create it first", folder.display()))
     } else if !folder.is_dir() {
         Some(format!("{} is not a folder", folder.display()))
-    } else if error.kind() == io::ErrorKind::PermissionDenied {
-        Some(format!("no permission to write in {}", folder.display()))
     } else {
-        None
+        let why = match error.kind() {
+            io::ErrorKind::PermissionDenied => "permission denied",
+            io::ErrorKind::ReadOnlyFilesystem => "its file system is read-only",
+            _ => return None,
+        };
+        Some(format!("the folder {} cannot be written to ({why}); name another", folder.display()))
     }
 }
 
@@ -189,6 +204,32 @@ mod tests {
         let error = write_atomically(file.join("a.txt"), |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("is not a folder"), "{error}");
         assert_eq!(names(folder.path()), ["file"]);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_written_is_named_and_never_a_temporary_file() {
+        // As whoever may write everywhere cannot make them happen, in the words of `tempfile`.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let (place, told) = (folder.path().display(), path.display());
+        let message = |kind, said: &str| {
+            let said = format!("{said} at path \"{place}/{PREFIX}x.part\"");
+            failed(&path, io::Error::new(kind, said)).to_string()
+        };
+        for (kind, why) in [
+            (io::ErrorKind::PermissionDenied, "permission denied"),
+            (io::ErrorKind::ReadOnlyFilesystem, "its file system is read-only"),
+        ] {
+            assert_eq!(
+                message(kind, "no"),
+                format!(
+                    "cannot write {told}: the folder {place} cannot be written to ({why}); name \
+                     another"
+                )
+            );
+        }
+        let full = message(io::ErrorKind::StorageFull, "No space left on device");
+        assert_eq!(full, format!("cannot write {told}: No space left on device"));
     }
 
     #[cfg(unix)]
