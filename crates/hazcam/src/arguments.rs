@@ -38,6 +38,17 @@ pub fn or_variable(option: Option<&Path>, variable: &str) -> Option<PathBuf> {
     option.map(Path::to_owned).or_else(|| set().map(PathBuf::from))
 }
 
+/// The farthest disparity from 0 that a matcher looks for, in pixels.
+const FARTHEST: i32 = 16_383;
+
+/// An end of a range of disparities.
+pub fn disparity(text: &str) -> Result<i32, String> {
+    match text.parse() {
+        Ok(pixels) if (-FARTHEST..=FARTHEST).contains(&pixels) => Ok(pixels),
+        _ => Err(format!("give a whole number from -{FARTHEST} to {FARTHEST}")),
+    }
+}
+
 /// An amount of memory, in bytes.
 pub fn memory(text: &str) -> Result<usize, String> {
     let bytes: Option<ByteSize> = text.parse().ok();
@@ -48,6 +59,25 @@ pub fn memory(text: &str) -> Result<usize, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn disparities_are_read_up_to_where_matchers_take_them() {
+        use matching::{Options, Preset};
+        use raster::DisparityRange;
+        for end in [FARTHEST, -FARTHEST] {
+            assert_eq!(disparity(&end.to_string()), Ok(end));
+            let takes = |end| {
+                Options::new(Preset::Fast, DisparityRange::new(end, end).unwrap()).check().is_ok()
+            };
+            let beyond = end + end.signum();
+            assert!(takes(end) && !takes(beyond), "{end}");
+            assert!(disparity(&beyond.to_string()).is_err(), "{beyond}");
+        }
+        for text in ["", "many", "64.5", "99999999999", "100000"] {
+            let error = disparity(text).unwrap_err();
+            assert_eq!(error, "give a whole number from -16383 to 16383", "{text}");
+        }
+    }
 
     #[test]
     fn memory_is_read_in_powers_of_ten_and_two() {

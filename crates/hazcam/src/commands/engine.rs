@@ -31,6 +31,7 @@ pub struct Args {
 
     /// Threads to use, whatever the jobs allow [default: as many as the job allows]
     #[arg(long, value_name = "N", value_parser = arguments::threads)]
+    #[arg(allow_negative_numbers = true)]
     threads: Option<usize>,
 }
 

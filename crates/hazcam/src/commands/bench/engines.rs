@@ -29,6 +29,7 @@ pub struct EngineArguments {
 
     /// Threads that each engine may use
     #[arg(long, value_name = "N", default_value = "1", value_parser = arguments::threads)]
+    #[arg(allow_negative_numbers = true)]
     pub threads: usize,
 
     /// How often each pair is matched; the times of the median run are shown [default: 1]

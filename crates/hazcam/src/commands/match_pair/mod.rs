@@ -76,12 +76,12 @@ pub struct Args {
     /// Largest disparity to look for, in pixels [default: a quarter of the width, as a multiple of
     /// 16 from 16 to 256, above the smallest]
     #[arg(short = 'd', long, value_name = "N", help_heading = "Matching")]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(value_parser = arguments::disparity, allow_negative_numbers = true)]
     max_disparity: Option<i32>,
 
     /// Smallest disparity to look for, in pixels; may be negative
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Matching")]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(value_parser = arguments::disparity, allow_negative_numbers = true)]
     min_disparity: i32,
 
     /// Answer only these pixels: x0,y0,x1,y1, inclusive, or the course's *_bounds.npy [default:
@@ -104,13 +104,14 @@ pub struct Args {
     /// Threads to use; the answer does not depend on it [default: one per core]
     #[arg(long, value_name = "N", env = "HAZCAM_THREADS", help_heading = "Matching")]
     #[arg(value_parser = arguments::threads, hide_env_values = true)]
+    #[arg(allow_negative_numbers = true)]
     threads: Option<usize>,
 
     /// Memory to take at most for matching, such as 400MB or 1.5GiB: with less, balanced and best
     /// take more time, up to about half as much again; the answer does not depend on it [default:
     /// 200MB, or what is needed with 100MB for the sums of semi-global matching]
     #[arg(long, value_name = "SIZE", help_heading = "Matching")]
-    #[arg(value_parser = arguments::memory)]
+    #[arg(value_parser = arguments::memory, allow_negative_numbers = true)]
     memory: Option<usize>,
 
     /// Match once more, now that the memory is there, and print where the time goes: for each stage
