@@ -32,5 +32,7 @@ fn every_matcher_can_be_explained() {
         let outcome = folder.run(&format!("explain {matcher}")).done();
         assert!(outcome.stdout.lines().count() >= 5, "{matcher}: {}", outcome.stdout);
     }
+    let all = folder.run("explain").done().stdout;
+    insta::assert_snapshot!(all);
     folder.refuses("explain slow", &["slow", "fast, balanced, best"]);
 }
