@@ -146,10 +146,14 @@ fn a_catalogue_is_believed() {
     let root = tempfile::tempdir().unwrap();
     grey8(&root.path().join("a.png"), 9);
     grey8(&root.path().join("t.png"), 20);
+    let mut truth = Plane::filled(SIZE.0, SIZE.1, 3.5f32);
+    truth.row_mut(0)[1] = 0.0;
+    write_disparity(root.path().join("t.pfm"), &truth).unwrap();
     let write = |text: &str| fs::write(root.path().join("scenes.json"), text).unwrap();
     write(
         r#"[{"id": "x/one", "use": "tuning", "left": "a.png", "right": "a.png", "truth": "t.png",
             "truth_encoding": "png8/4", "min_disparity": -2, "max_disparity": 6, "terms": "free"},
+           {"id": "x/two", "use": "tuning", "left": "a.png", "right": "a.png", "truth": "t.pfm"},
            {"id": "course/cones", "use": "test", "left": "a.png", "right": "a.png"}]"#,
     );
     let cases = dataset::open(root.path()).unwrap();
@@ -157,6 +161,8 @@ fn a_catalogue_is_believed() {
     let data = case(&cases, "x/one").load().unwrap();
     assert_eq!((data.range.min(), data.range.max()), (-2, 6));
     assert_eq!(data.truth.unwrap().samples()[0], 5.0);
+    let data = case(&cases, "x/two").load().unwrap();
+    assert_eq!(known(&data.truth.unwrap()), 199, "0 is no truth in a catalogue");
 
     let pair = r#""left": "a.png", "right": "a.png""#;
     for (text, words) in [

@@ -64,6 +64,15 @@ pub struct TruthFile {
     pub path: PathBuf,
     /// How its samples stand for disparities.
     pub encoding: Encoding,
+    /// Whether a disparity of 0 says that nobody knows, in floats as it does in integers.
+    pub zero_is_none: bool,
+}
+
+impl TruthFile {
+    /// One whose encoding alone says what is unknown.
+    pub fn new(path: PathBuf, encoding: Encoding) -> Self {
+        Self { path, encoding, zero_is_none: false }
+    }
 }
 
 /// Where the files of a scene lie.

@@ -7,7 +7,8 @@
 //! ```
 //! `id`, `use`, `left` and `right` are needed; `truth` (with `truth_encoding`), `truth_noc`,
 //! `truth_right`, `mask_nocc`, `box`, `calib`, `min_disparity` (0 unless stated), `max_disparity`,
-//! `source` and `terms` may be there. Paths are relative to the catalogue's folder.
+//! `source` and `terms` may be there. A true disparity of 0 or infinity is none, however it is encoded.
+//! Paths are relative to the catalogue's folder.
 
 use std::collections::HashSet;
 use std::fs;
@@ -76,7 +77,8 @@ fn case(root: &Path, entry: Entry) -> Result<Case, String> {
         Some(text) => text.parse().map_err(|error: formats::FormatError| error.to_string())?,
         None => Encoding::Auto,
     };
-    let truth_file = |path: PathBuf| TruthFile { path: root.join(path), encoding };
+    let truth_file =
+        |path: PathBuf| TruthFile { path: root.join(path), encoding, zero_is_none: true };
     let truth = entry.truth.map(truth_file);
     let right_of = |file: &TruthFile| right_view_of(&file.path).map(truth_file);
     let truth_right = match entry.truth_right {

@@ -90,7 +90,10 @@ fn read_truth(
     check_size(&file.path, truth.values.size(), size)?;
     protocol.push(format!("{what} {} ({})", name(&file.path), truth.encoding));
     protocol.extend(truth.note);
-    Ok(truth.values)
+    if !file.zero_is_none {
+        return Ok(truth.values);
+    }
+    Ok(truth.values.map(|&value| if value == 0.0 { f32::NAN } else { value }))
 }
 
 /// The pixels that both cameras see, and the others, from whatever the data set tells about them.

@@ -85,7 +85,7 @@ impl SceneSource {
                 let files = Files {
                     left: left.clone(),
                     right: right.clone(),
-                    truth: Some(TruthFile { path: truth.clone(), encoding }),
+                    truth: Some(TruthFile::new(truth.clone(), encoding)),
                     ..Files::default()
                 };
                 Scene::load(&Case::new(id, Purpose::Test, files))?.within(bounds.as_deref())
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn every_file_that_tells_the_truth_is_a_secret() {
-        let truth = |name: &str| Some(TruthFile { path: name.into(), encoding: Encoding::Auto });
+        let truth = |name: &str| Some(TruthFile::new(name.into(), Encoding::Auto));
         let files = Files {
             left: "left.png".into(),
             right: "right.png".into(),

@@ -37,10 +37,7 @@ pub(super) fn cases(folder: &Folder) -> Vec<Case> {
         let files = Files {
             left: file("image_02"),
             right: file("image_06"),
-            truth: Some(TruthFile {
-                path: file("disp_02"),
-                encoding: Encoding::Png8 { divisor: 4.0 },
-            }),
+            truth: Some(TruthFile::new(file("disp_02"), Encoding::Png8 { divisor: 4.0 })),
             bounds: bounds(box_file),
             ..Files::default()
         };

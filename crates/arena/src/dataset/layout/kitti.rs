@@ -21,7 +21,7 @@ pub(super) fn cases(folder: &Folder) -> Vec<Case> {
     };
     let truth = |name: &str, frame: &str| {
         let path = folder.path.join(name).join(frame);
-        path.is_file().then_some(TruthFile { path, encoding: Encoding::Png16 { divisor: 256.0 } })
+        path.is_file().then_some(TruthFile::new(path, Encoding::Png16 { divisor: 256.0 }))
     };
     let frames = images.files.iter().filter(|name| name.ends_with("_10.png"));
     frames

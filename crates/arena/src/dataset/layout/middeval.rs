@@ -13,7 +13,7 @@ pub(super) fn cases(folder: &Folder) -> Vec<Case> {
     };
     let truth = |names: [&str; 2]| {
         let path = names.into_iter().find_map(|name| folder.file(name))?;
-        Some(TruthFile { path, encoding: Encoding::Pfm })
+        Some(TruthFile::new(path, Encoding::Pfm))
     };
     let files = Files {
         left,

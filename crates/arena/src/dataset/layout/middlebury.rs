@@ -22,7 +22,7 @@ pub(super) fn cases(folder: &Folder) -> Vec<Case> {
     });
     let truth = |name: &str| {
         let (path, divisor) = folder.file(name).zip(size)?;
-        Some(TruthFile { path, encoding: Encoding::Png8 { divisor } })
+        Some(TruthFile::new(path, Encoding::Png8 { divisor }))
     };
     let files = Files {
         left,
