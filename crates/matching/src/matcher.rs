@@ -100,6 +100,17 @@ pub struct Matcher {
     profile: Profile,
 }
 
+impl std::fmt::Debug for Matcher {
+    /// What it was built from, and not its memory.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { options, level, .. } = self;
+        f.debug_struct("Matcher")
+            .field("options", options)
+            .field("level", level)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Matcher {
     /// Checks the options and prepares the stages. Where the environment variable `HAZCAM_CPU` is set, it
     /// names the vector instructions to use instead of the best ones ([`Level::name`]); the answer does

@@ -78,7 +78,8 @@ pub struct DisparityMap {
     pub values: Plane<f32>,
     /// Why the pixel has this value or none.
     pub reasons: Plane<Reason>,
-    /// How likely the value is right, 0 (a guess) to 1 (sure); 0 where there is no value.
+    /// How sure the value is, 0 (a guess) to 1; 0 where there is no value. It ranks pixels and is no
+    /// probability: `hazcam bench --reliability` tells how many are wrong from which value on.
     pub confidence: Plane<f32>,
 }
 

@@ -101,7 +101,7 @@ pub(super) type Renderer = Arc<dyn Fn() -> Result<CaseData, String> + Send + Syn
 
 #[derive(Clone)]
 pub(super) enum Origin {
-    Files(Files),
+    Files(Box<Files>),
     Rendered(Renderer),
 }
 
@@ -126,7 +126,7 @@ impl fmt::Debug for Case {
 impl Case {
     /// A scene in files.
     pub fn new(id: impl Into<String>, purpose: Purpose, files: Files) -> Self {
-        Self { id: id.into(), purpose, range: None, origin: Origin::Files(files) }
+        Self { id: id.into(), purpose, range: None, origin: Origin::Files(Box::new(files)) }
     }
 
     /// A scene that `render` makes whenever it is needed.

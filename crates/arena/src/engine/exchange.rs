@@ -36,7 +36,7 @@ pub struct Answer {
     pub disparity: Plane<f32>,
     /// Why each pixel has its value, if the engine says so.
     pub reasons: Option<Plane<Reason>>,
-    /// How likely each value is right, 0 to 1, if the engine says so.
+    /// How sure each value is, 0 to 1, if the engine says so.
     pub confidence: Option<Plane<f32>>,
 }
 
