@@ -1,6 +1,7 @@
 //! A preset behind the engine protocol.
 
 use std::path::Path;
+use std::process::Command;
 
 use arena::engine::{Definition, Limits, Pair, Programs, Status, Worker};
 use raster::{BoundingBox, DisparityRange, Image, Plane, Reason};
@@ -88,4 +89,41 @@ fn what_is_no_message_ends_it_with_an_error() {
     assert!(String::from_utf8_lossy(&output.stdout).contains(r#""hazcam":"ready""#));
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(stderr.contains("the engine protocol was broken"), "{stderr}");
+}
+
+/// PROTOCOL.md shows how: what stands there is run.
+#[test]
+fn python_drives_a_preset() {
+    let python = std::env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty());
+    let python = python.unwrap_or_else(|| "python3".into());
+    let has_numpy = Command::new(&python).args(["-c", "import numpy"]).output();
+    if !has_numpy.is_ok_and(|output| output.status.success()) {
+        eprintln!("skipped: there is no python3 with numpy");
+        return;
+    }
+    let page = include_str!("../../../arena/PROTOCOL.md");
+    let (_, section) = page.split_once("## Driving an engine from Python").unwrap();
+    let class = section.split("```").nth(1).unwrap().strip_prefix("python\n").unwrap();
+    let program = format!(
+        r#"{class}
+left = np.random.default_rng(1).integers(0, 256, (40, 90), dtype=np.uint8)
+right = np.roll(left, -7, axis=1)
+matcher = Matcher("fast", r"{hazcam}")
+for frame in range(2):
+    disparity, sure = matcher.match(left, right, 15)
+    assert disparity.shape == sure.shape == left.shape and disparity.dtype == np.float32
+    assert abs(np.median(disparity) - 7) < 0.1, np.median(disparity)
+    assert 0 <= sure.min() and sure.max() <= 1
+try:
+    matcher.match(left, right[:, 1:], 15)
+    raise SystemExit("images of two sizes were matched")
+except RuntimeError as error:
+    print(error)
+assert abs(np.median(matcher.match(left, right, 15, 5, threads=2)[0]) - 7) < 0.1
+"#,
+        hazcam = env!("CARGO_BIN_EXE_hazcam")
+    );
+    let output = Command::new(&python).args(["-c", &program]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!output.stdout.is_empty(), "the error says something");
 }
