@@ -114,32 +114,32 @@ fn extension_of(path: &Path) -> String {
     }
 }
 
+/// The file of an error, borrowed as the error is.
+macro_rules! file_of {
+    ($error:expr) => {
+        match $error {
+            FormatError::Read { path, .. }
+            | FormatError::Write { path, .. }
+            | FormatError::Malformed { path, .. }
+            | FormatError::TooLarge { path, .. }
+            | FormatError::WrongKind { path, .. }
+            | FormatError::UnknownExtension { path, .. }
+            | FormatError::Unrepresentable { path, .. } => Some(path),
+            FormatError::Text { .. } => None,
+        }
+    };
+}
+
 impl FormatError {
     /// The file that the error is about, if it is about a file.
     pub fn path(&self) -> Option<&Path> {
-        match self {
-            Self::Read { path, .. }
-            | Self::Write { path, .. }
-            | Self::Malformed { path, .. }
-            | Self::TooLarge { path, .. }
-            | Self::WrongKind { path, .. }
-            | Self::UnknownExtension { path, .. }
-            | Self::Unrepresentable { path, .. } => Some(path),
-            Self::Text { .. } => None,
-        }
+        file_of!(self).map(PathBuf::as_path)
     }
 
     /// The same error about another file: the one that was meant, where a passing one was written.
     pub(crate) fn about(mut self, file: &Path) -> Self {
-        match &mut self {
-            Self::Read { path, .. }
-            | Self::Write { path, .. }
-            | Self::Malformed { path, .. }
-            | Self::TooLarge { path, .. }
-            | Self::WrongKind { path, .. }
-            | Self::UnknownExtension { path, .. }
-            | Self::Unrepresentable { path, .. } => *path = file.to_owned(),
-            Self::Text { .. } => {}
+        if let Some(path) = file_of!(&mut self) {
+            *path = file.to_owned();
         }
         self
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 use formats::FormatError;
+use matching::Options;
 use raster::BoundingBox;
 
 /// A box: `x0,y0,x1,y1`, or the course's file `*_bounds.npy`.
@@ -38,8 +39,7 @@ pub fn or_variable(option: Option<&Path>, variable: &str) -> Option<PathBuf> {
     option.map(Path::to_owned).or_else(|| set().map(PathBuf::from))
 }
 
-/// The farthest disparity from 0 that a matcher looks for, in pixels.
-const FARTHEST: i32 = 16_383;
+const FARTHEST: i32 = Options::FARTHEST;
 
 /// An end of a range of disparities.
 pub fn disparity(text: &str) -> Result<i32, String> {
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn disparities_are_read_up_to_where_matchers_take_them() {
-        use matching::{Options, Preset};
+        use matching::Preset;
         use raster::DisparityRange;
         for end in [FARTHEST, -FARTHEST] {
             assert_eq!(disparity(&end.to_string()), Ok(end));

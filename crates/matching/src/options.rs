@@ -92,6 +92,11 @@ pub struct Options {
 }
 
 impl Options {
+    /// The farthest disparity from 0 that can be looked for, in pixels. A disparity's place in the range is a
+    /// number of 16 bits inside: the longest range between these limits has fewer places than such numbers
+    /// can tell apart.
+    pub const FARTHEST: i32 = i16::MAX as i32 / 2;
+
     /// The preset's own parameters, holes filled, one thread per core, no limit to the memory.
     pub fn new(preset: Preset, range: DisparityRange) -> Self {
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
@@ -108,9 +113,7 @@ impl Options {
                 allowed: "it must be from 1 to 1024".into(),
             });
         }
-        // A disparity's place in the range is a number of 16 bits inside: the longest range between
-        // these limits has fewer places than such numbers can tell apart.
-        let limit = i32::from(i16::MAX) / 2;
+        let limit = Self::FARTHEST;
         for (field, value) in
             [("min-disparity", self.range.min()), ("max-disparity", self.range.max())]
         {

@@ -1,6 +1,6 @@
 //! A preset behind the engine protocol.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use arena::engine::{Definition, Limits, Pair, Programs, Status, Worker};
@@ -94,13 +94,14 @@ fn what_is_no_message_ends_it_with_an_error() {
 /// PROTOCOL.md shows how: what stands there is run.
 #[test]
 fn python_drives_a_preset() {
-    let python = std::env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty());
-    let python = python.unwrap_or_else(|| "python3".into());
-    let has_numpy = Command::new(&python).args(["-c", "import numpy"]).output();
-    if !has_numpy.is_ok_and(|output| output.status.success()) {
+    let has_numpy = |python: &PathBuf| {
+        let asked = Command::new(python).args(["-c", "import numpy"]).output();
+        asked.is_ok_and(|output| output.status.success())
+    };
+    let Some(python) = Programs::find_python().filter(has_numpy) else {
         eprintln!("skipped: there is no python3 with numpy");
         return;
-    }
+    };
     let page = include_str!("../../../arena/PROTOCOL.md");
     let (_, section) = page.split_once("## Driving an engine from Python").unwrap();
     let class = section.split("```").nth(1).unwrap().strip_prefix("python\n").unwrap();

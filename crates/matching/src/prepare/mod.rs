@@ -5,6 +5,7 @@ pub(crate) mod census;
 pub(crate) mod descriptor;
 pub(crate) mod gradient;
 pub(crate) mod grey;
+mod histogram;
 pub(crate) mod noise;
 pub(crate) mod prefilter;
 pub(crate) mod smoothing;

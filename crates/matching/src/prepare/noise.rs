@@ -13,6 +13,7 @@
 
 use raster::View;
 
+use super::histogram::quantile;
 use crate::profile::Work;
 
 /// Every so many-th row is looked at.
@@ -39,19 +40,7 @@ pub(crate) fn noise(grey: View<'_, u8>) -> f32 {
             pixels_with[response.unsigned_abs() as usize] += 1;
         }
     }
-    let quarter = 0.25 * pixels_with.iter().sum::<u32>() as f32;
-    let mut smaller = 0.0;
-    for (response, &pixels) in pixels_with.iter().enumerate() {
-        let pixels = pixels as f32;
-        if pixels > 0.0 && smaller + pixels >= quarter {
-            // A whole number stands for all that are rounded to it.
-            let (from, width) =
-                if response == 0 { (0.0, 0.5) } else { (response as f32 - 0.5, 1.0) };
-            return (from + width * (quarter - smaller) / pixels) / (6.0 * QUARTER);
-        }
-        smaller += pixels;
-    }
-    0.0
+    quantile(&pixels_with, 0.25) / (6.0 * QUARTER)
 }
 
 fn across(three: &[u8]) -> i32 {

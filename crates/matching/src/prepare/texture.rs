@@ -2,6 +2,7 @@
 
 use raster::View;
 
+use super::histogram::quantile;
 use crate::profile::Work;
 
 /// Every so many-th row, and of it every other column, is looked at.
@@ -14,7 +15,7 @@ pub(crate) fn work(grey: View<'_, u8>) -> Work {
 }
 
 /// The median of the differences, in grey levels, between pixels so many columns apart: half of them differ by
-/// less. A whole number stands for all that are rounded to it. 0 where there are no such pixels.
+/// less. 0 where there are no such pixels.
 pub(crate) fn usual_step(grey: View<'_, u8>, apart: usize) -> f32 {
     let mut pairs_with = [0u32; 256];
     for y in (0..grey.rows()).step_by(EVERY) {
@@ -24,16 +25,7 @@ pub(crate) fn usual_step(grey: View<'_, u8>, apart: usize) -> f32 {
             pairs_with[usize::from(here.abs_diff(there))] += 1;
         }
     }
-    let half = 0.5 * pairs_with.iter().sum::<u32>() as f32;
-    let mut smaller = 0.0;
-    for (step, &pairs) in pairs_with.iter().enumerate() {
-        let pairs = pairs as f32;
-        if pairs > 0.0 && smaller + pairs >= half {
-            return (step as f32 - 0.5 + (half - smaller) / pairs).max(0.0);
-        }
-        smaller += pairs;
-    }
-    0.0
+    quantile(&pairs_with, 0.5)
 }
 
 #[cfg(test)]

@@ -146,11 +146,14 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         limits: args.limits.as_deref().map(Limits::read).transpose()?,
         jobs: args.jobs,
     };
-    let (view, marker) = match () {
-        () if args.stress => (View::Strains, "results"),
-        () if args.ablation => (View::Ablation, "ablation"),
-        () if args.reliability => (View::Reliability, "reliability"),
-        () => (View::Scores, "results"),
+    let (view, marker) = if args.stress {
+        (View::Strains, "results")
+    } else if args.ablation {
+        (View::Ablation, "ablation")
+    } else if args.reliability {
+        (View::Reliability, "reliability")
+    } else {
+        (View::Scores, "results")
     };
     let page = args.into.map(|path| Page::open(path, marker)).transpose()?;
     let mut output = match args.out {

@@ -1,7 +1,5 @@
 //! How good depth is at which range: what an error of the disparity is worth.
 
-use std::fmt::Write;
-
 use camera::StereoCamera;
 use raster::Plane;
 use serde::Serialize;
@@ -80,66 +78,52 @@ impl Reach {
 
     /// In words and numbers.
     pub fn text(&self) -> String {
-        let mut text = String::new();
-        let mut line = |name: &str, content: String| {
-            writeln!(text, "{name:<8}{content}").expect("a string takes all");
+        let depth = match self.depth_m {
+            Some(Span { least, median, most }) => {
+                format!("{least:.2} to {most:.2} m, half of the pixels within {median:.2} m")
+            }
+            None => "no pixel has one".into(),
         };
-        line(
-            "depth",
-            match self.depth_m {
-                Some(Span { least, median, most }) => {
-                    format!("{least:.2} to {most:.2} m, half of the pixels within {median:.2} m")
-                }
-                None => "no pixel has one".into(),
-            },
-        );
-        line("pixels", self.pixels_in_words());
         let StereoCamera { focal_px, baseline_m, doffs, .. } = self.camera;
-        line(
-            "camera",
+        let mut lines = vec![
+            format!("depth   {depth}"),
+            format!("pixels  {}", self.pixels_in_words()),
             format!(
-                "focal length {focal_px:.2} px, baseline {baseline_m:.4} m, doffs {doffs:.2} px"
+                "camera  focal length {focal_px:.2} px, baseline {baseline_m:.4} m, doffs {doffs:.2} px"
             ),
-        );
+            String::new(),
+        ];
         let error = self.disparity_error_px;
         if !self.at.is_empty() {
-            write!(text, "\nwhat an error of {error} px in disparity is worth:\n")
-                .expect("as above");
-            writeln!(
-                text,
-                "{:>10}  {:>12}  {:>9}  {:>7}",
-                "depth m", "disparity px", "error m", "error %"
-            )
-            .expect("as above");
-        }
-        for At { depth_m, disparity_px, error_m, error_share } in &self.at {
-            let percent = 100.0 * error_share;
-            writeln!(text, "{depth_m:>10}  {disparity_px:>12.2}  {error_m:>9.3}  {percent:>7.2}")
-                .expect("as above");
+            lines.push(format!("what an error of {error} px in disparity is worth:"));
+            lines.push("   depth m  disparity px    error m  error %".into());
+            lines.extend(self.at.iter().map(
+                |At { depth_m, disparity_px, error_m, error_share }| {
+                    let percent = 100.0 * error_share;
+                    format!("{depth_m:>10}  {disparity_px:>12.2}  {error_m:>9.3}  {percent:>7.2}")
+                },
+            ));
+            lines.push(String::new());
         }
         let good = self.good_to.iter().map(|GoodTo { error_share, depth_m }| {
             format!("{} % up to {depth_m:.2} m", 100.0 * error_share)
         });
         let good: Vec<String> = good.collect();
-        writeln!(text, "\nwith {error} px, depth is good to {}", good.join(", "))
-            .expect("as above");
-        text
+        lines.push(format!("with {error} px, depth is good to {}\n", good.join(", ")));
+        lines.join("\n")
     }
 
     fn pixels_in_words(&self) -> String {
         let Counts { kept, without_disparity, behind, unsure, too_far } = self.pixels;
-        let mut words = format!("{kept} with a depth");
-        for (count, what) in [
+        let counts = [
             (without_disparity, "without a disparity"),
             (behind, "whose disparity is of nothing in front of the cameras"),
             (unsure, "not sure enough"),
             (too_far, "too far away"),
-        ] {
-            if count > 0 {
-                write!(words, ", {count} {what}").expect("a string takes all");
-            }
-        }
-        words
+        ];
+        let left_out = counts.into_iter().filter(|(count, _)| *count > 0);
+        let left_out: String = left_out.map(|(count, what)| format!(", {count} {what}")).collect();
+        format!("{kept} with a depth{left_out}")
     }
 }
 
