@@ -1,5 +1,6 @@
 //! Names and sizes: what is copied, what is refused, which files are missing.
 
+use std::cell::Cell;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -27,13 +28,13 @@ const FILES: [&str; 3] = ["secret_id.py", "stereo_disparity_fast.py", "stereo_di
 /// Counts what is taken against what a submission may hold.
 pub(super) struct Intake<'a> {
     submission: &'a Path,
-    files: usize,
-    bytes: u64,
+    files: Cell<usize>,
+    bytes: Cell<u64>,
 }
 
 impl<'a> Intake<'a> {
     pub fn new(submission: &'a Path) -> Self {
-        Self { submission, files: 0, bytes: 0 }
+        Self { submission, files: Cell::new(0), bytes: Cell::new(0) }
     }
 
     pub fn refuse(&self, entry: &Path, problem: impl Into<String>) -> SubmissionError {
@@ -62,16 +63,14 @@ impl<'a> Intake<'a> {
     /// Takes one file: copies `reader`, whatever size was claimed for it, to `target`. `unreadable`
     /// tells what it means when `reader` fails.
     pub fn take(
-        &mut self,
+        &self,
         mut reader: impl Read,
         target: &Path,
         unreadable: &dyn Fn(io::Error) -> SubmissionError,
     ) -> Result<(), SubmissionError> {
-        let too_large =
-            |problem| SubmissionError::TooLarge { path: self.submission.to_owned(), problem };
-        self.files += 1;
-        if self.files > MAX_FILES {
-            return Err(too_large(format!(
+        self.files.set(self.files.get() + 1);
+        if self.files.get() > MAX_FILES {
+            return Err(self.too_large(format!(
                 "it holds more than {MAX_FILES} files; hand in the Python files alone"
             )));
         }
@@ -80,16 +79,25 @@ impl<'a> Intake<'a> {
             fs::create_dir_all(folder).map_err(failed)?;
         }
         let mut file = fs::File::create(target).map_err(failed)?;
-        let left = MAX_BYTES - self.bytes;
+        let left = MAX_BYTES - self.bytes.get();
         let copied = copy(reader.by_ref().take(left + 1), &mut file, unreadable, &failed)?;
-        if copied > left {
-            return Err(too_large(format!(
-                "it holds more than {} MiB; hand in the Python files alone",
-                MAX_BYTES >> 20
-            )));
+        self.bytes.set(self.bytes.get() + copied);
+        self.check_size(self.bytes.get())
+    }
+
+    /// Errors when so many bytes are more than a submission may hold.
+    pub fn check_size(&self, bytes: u64) -> Result<(), SubmissionError> {
+        if bytes <= MAX_BYTES {
+            return Ok(());
         }
-        self.bytes += copied;
-        Ok(())
+        Err(self.too_large(format!(
+            "it holds more than {} MiB; hand in the Python files alone",
+            MAX_BYTES >> 20
+        )))
+    }
+
+    pub fn too_large(&self, problem: String) -> SubmissionError {
+        SubmissionError::TooLarge { path: self.submission.to_owned(), problem }
     }
 }
 
@@ -134,7 +142,7 @@ pub(super) fn is_clutter(name: &str) -> bool {
 
 /// Copies a folder; links and special files are refused.
 pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError> {
-    let mut intake = Intake::new(from);
+    let intake = Intake::new(from);
     let mut folders = vec![PathBuf::new()];
     while let Some(folder) = folders.pop() {
         let full = from.join(&folder);

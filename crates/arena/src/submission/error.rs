@@ -23,8 +23,8 @@ pub enum SubmissionError {
         /// Why.
         source: io::Error,
     },
-    /// It is neither a folder nor a tar archive.
-    #[error("{} is {found}: hand in a folder, or a tar archive (.tar, .tar.gz)", path.display())]
+    /// It is neither a folder nor an archive.
+    #[error("{} is {found}: hand in a folder, or an archive (.zip, .tar, .tar.gz)", path.display())]
     WrongKind {
         /// The file.
         path: PathBuf,

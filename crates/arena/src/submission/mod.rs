@@ -1,4 +1,4 @@
-//! A course submission in Python: a folder or a tar archive with `secret_id.py`,
+//! A course submission in Python: a folder or an archive with `secret_id.py`,
 //! `stereo_disparity_fast.py` and `stereo_disparity_best.py`.
 //!
 //! It comes from somebody who is not trusted. [`Submission::open`] copies it into a folder of the
@@ -63,8 +63,8 @@ pub struct Submission {
 }
 
 impl Submission {
-    /// Copies the submission at `path`, a folder or a tar archive (plain or gzip-compressed), into
-    /// the empty folder `staging`.
+    /// Copies the submission at `path`, a folder or an archive (zip, or tar, plain or gzip-compressed),
+    /// into the empty folder `staging`.
     ///
     /// Errors: what is neither; links, devices, absolute paths and `..`; too many or too large
     /// files; none of the course's files in it. A single missing file is a finding.

@@ -176,10 +176,8 @@ fn what_is_left_out_of_an_archive_ends_somewhere() {
 fn other_files_are_told_what_is_wanted() {
     let Some(classroom) = Classroom::without_python() else { return };
     for (content, words) in [
-        (
-            b"PK\x03\x04 and so on".as_slice(),
-            "is a zip archive: hand in a folder, or a tar archive",
-        ),
+        (b"Rar!\x1a".as_slice(), "is a rar archive: hand in a folder, or an archive (.zip, .tar"),
+        (b"PK\x03\x04 and so on", "is damaged"),
         (b"", "is an empty file"),
         (b"def stereo_disparity_fast(): pass", "is a single text file"),
         (b"\x1f\x8b garbage", "is damaged"),

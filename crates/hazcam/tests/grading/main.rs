@@ -16,3 +16,4 @@ mod missing_parts;
 mod outputs;
 mod page;
 mod paths;
+mod zips;

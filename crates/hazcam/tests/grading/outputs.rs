@@ -128,7 +128,7 @@ fn mistakes_on_the_command_line_are_named() {
     for (arguments, words) in [
         (&[][..], "name a submission, or engines with --matcher"),
         (&["a", "--matcher", "fast"], "cannot be used with"),
-        (&["nothing-here"], "there is no nothing-here: give a folder or a tar archive"),
+        (&["nothing-here"], "there is no nothing-here: give a folder or an archive"),
         (&["--matcher", "fastest"], "there is no engine `fastest`"),
         (&["--matcher", "fast", "--scheme", "bad.toml"], "bad.toml: "),
         (&["--matcher", "fast", "--scheme", "none.toml"], "cannot read none.toml"),

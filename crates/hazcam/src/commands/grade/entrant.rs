@@ -16,7 +16,7 @@ const NOBODY: &str = "name a submission, or engines with --matcher FAST:BEST";
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("entrant").args(["submission", "matcher"]))]
 pub struct EntrantArguments {
-    /// A folder or a tar archive (.tar, .tar.gz) with the three files of the course
+    /// A folder or an archive (.zip, .tar, .tar.gz) with the three files of the course
     submission: Option<PathBuf>,
 
     /// Engines instead: one for part 1 and one for part 2, such as fast:best, or one for both
@@ -53,7 +53,8 @@ impl EntrantArguments {
         match (submission, &self.matcher) {
             (Some(name), _) => {
                 let name = name.to_string_lossy();
-                let ending = [".tar.gz", ".tgz", ".tar"].iter().find(|end| name.ends_with(*end));
+                let ending =
+                    [".tar.gz", ".tgz", ".tar", ".zip"].iter().find(|end| name.ends_with(*end));
                 name.strip_suffix(ending.unwrap_or(&"")).unwrap_or(&name).to_owned()
             }
             (None, Some(matcher)) => matcher.clone(),
@@ -68,7 +69,7 @@ impl EntrantArguments {
             (Some(path), _) => {
                 let name = path.display().to_string();
                 if !path.exists() {
-                    bail!("there is no {name}: give a folder or a tar archive");
+                    bail!("there is no {name}: give a folder or an archive");
                 }
                 let entrant = match Submission::open(path, &workshop.staging()) {
                     Ok(submission) => Entrant::Submission(submission),

@@ -21,7 +21,7 @@ use grading::{GradingArguments, Workshop};
 
 /// Give points for a submission: six tests, each in a sandbox with a limit of CPU time
 ///
-/// A submission is a folder or a tar archive with secret_id.py, stereo_disparity_fast.py and
+/// A submission is a folder or an archive with secret_id.py, stereo_disparity_fast.py and
 /// stereo_disparity_best.py. Other engines, hazcam's own matchers included, take its place with
 /// --matcher. Every test runs in a process of its own that cannot read the truth, reach the
 /// network, start programs or write outside of its folder.
