@@ -10,6 +10,7 @@ use zip::write::SimpleFileOptions;
 use crate::classroom::{Classroom, HONEST};
 
 /// What stands in an archive beside names.
+#[derive(Clone, Copy)]
 enum Entry<'a> {
     Text(&'a str),
     Folder,
@@ -50,19 +51,10 @@ fn a_zipped_folder_is_graded_with_slashes_of_either_kind() {
             (["__MACOSX", "._secret_id.py"].join(slash), Text("clutter")),
         ];
         entries.extend(names.iter().zip(&texts).map(|(name, text)| (path(name), Text(text))));
-        let entries: Vec<_> =
-            entries.iter().map(|(name, entry)| (name.as_str(), copied(entry))).collect();
+        let entries: Vec<_> = entries.iter().map(|(name, entry)| (name.as_str(), *entry)).collect();
         let report = classroom.grade(&archive(&classroom.path("handin.zip"), &entries), &[]);
         assert_eq!(report.0["points"], 5.0, "{}", report.message(0));
         assert_eq!(report.0["secret_id"], "Secret handin");
-    }
-}
-
-fn copied<'a>(entry: &Entry<'a>) -> Entry<'a> {
-    match *entry {
-        Text(text) => Text(text),
-        Folder => Folder,
-        Link(target) => Link(target),
     }
 }
 
