@@ -69,10 +69,10 @@ pub enum MatchError {
         /// Bytes allowed.
         limit: usize,
     },
-    /// The work does not fit the memory that the machine has.
+    /// The work does not fit the memory that the machine has, or that a container leaves it.
     #[error(
-        "{columns} x {rows} pixels and {disparities} disparities need at least {} MB, but this machine \
-         has {} MB: narrow the range, or match a box",
+        "{columns} x {rows} pixels and {disparities} disparities need at least {} MB, but there are \
+         {} MB for it on this machine, or in this container (three quarters of its limit): narrow the range, or match a box",
         needed.div_ceil(1_000_000),
         there / 1_000_000
     )]
@@ -85,7 +85,7 @@ pub enum MatchError {
         disparities: usize,
         /// Bytes needed.
         needed: usize,
-        /// Bytes that there are, swap included.
+        /// Bytes that there are for it: of the machine with swap, or three quarters of a control group's limit.
         there: usize,
     },
 }

@@ -32,6 +32,7 @@
 //! ```
 
 mod aggregation;
+mod allowance;
 #[cfg(test)]
 mod chance;
 mod cost;

@@ -1,11 +1,15 @@
-//! What the machine has.
+//! What memory there is for this process.
 
-/// Bytes of memory, with what it swaps to, where that can be told.
+use std::path::Path;
+
+/// Bytes of the machine's memory, with what it swaps to, or fewer where a control group bounds the process, as
+/// containers and services are bounded. Who takes more than such a bound is killed, so a quarter of it is left for
+/// what else the process has: its images, and what it writes. Nothing where that cannot be told.
 #[cfg(target_os = "linux")]
 pub(crate) fn memory() -> Option<usize> {
-    let told = rustix::system::sysinfo();
-    let units = (told.totalram as usize).checked_add(told.totalswap as usize)?;
-    units.checked_mul(told.mem_unit as usize)
+    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let bound = bound(Path::new("/sys/fs/cgroup"), &groups).map(|bytes| bytes - bytes / 4);
+    [whole(), bound].into_iter().flatten().min()
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -13,8 +17,41 @@ pub(crate) fn memory() -> Option<usize> {
     None
 }
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(target_os = "linux")]
+fn whole() -> Option<usize> {
+    let told = rustix::system::sysinfo();
+    let units = (told.totalram as usize).checked_add(told.totalswap as usize)?;
+    units.checked_mul(told.mem_unit as usize)
+}
+
+/// The least bound of some control groups and of those that these lie in: `groups` are lines as in
+/// `/proc/self/cgroup`, of either version, `root` is where the groups are mounted.
+#[cfg_attr(not(target_os = "linux"), allow(dead_code))]
+fn bound(root: &Path, groups: &str) -> Option<usize> {
+    let bounds = groups.lines().filter_map(|line| {
+        let mut fields = line.splitn(3, ':').skip(1);
+        let (controllers, group) = (fields.next()?, fields.next()?);
+        let (folder, file) = match controllers {
+            "" => (root.to_owned(), "memory.max"),
+            _ if controllers.split(',').any(|controller| controller == "memory") => {
+                (root.join("memory"), "memory.limit_in_bytes")
+            }
+            _ => return None,
+        };
+        // Where there is no bound, a word or a huge number stands instead.
+        let of_group = |group: &Path| {
+            std::fs::read_to_string(folder.join(group).join(file)).ok()?.trim().parse().ok()
+        };
+        Path::new(group.trim_start_matches('/')).ancestors().filter_map(of_group).min()
+    });
+    bounds.min()
+}
+
+#[cfg(test)]
 mod tests {
+    use super::*;
+
+    #[cfg(target_os = "linux")]
     #[test]
     fn memory_is_what_the_kernel_says_elsewhere_too() {
         let told = std::fs::read_to_string("/proc/meminfo").unwrap();
@@ -22,6 +59,32 @@ mod tests {
             let line = told.lines().find_map(|line| line.strip_prefix(name)).unwrap();
             line.trim().trim_end_matches(" kB").parse::<usize>().unwrap() * 1024
         };
-        assert_eq!(super::memory(), Some(of("MemTotal:") + of("SwapTotal:")));
+        assert_eq!(whole(), Some(of("MemTotal:") + of("SwapTotal:")));
+        assert!(memory() <= whole());
+    }
+
+    #[test]
+    fn the_least_bound_of_all_groups_around_counts() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |file: &str, text: &str| {
+            let path = root.path().join(file);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        write("memory.max", "900\n");
+        write("robot.slice/memory.max", "300\n");
+        write("robot.slice/camera.service/memory.max", "max\n");
+        write("other.slice/memory.max", "5\n");
+        let of = |groups: &str| bound(root.path(), groups);
+        assert_eq!(of("0::/robot.slice/camera.service\n"), Some(300));
+        assert_eq!(of("0::/robot.slice/gone\n"), Some(300));
+        assert_eq!(of("0::/\n"), Some(900));
+        assert_eq!(of("3:cpuset:/other.slice\nnonsense\n"), None);
+        assert_eq!(of(""), None);
+        // The first version, which has a tree of its own for memory.
+        write("memory/docker/memory.limit_in_bytes", "200\n");
+        write("memory/memory.limit_in_bytes", "9223372036854771712\n");
+        assert_eq!(of("4:memory:/docker\n0::/robot.slice\n"), Some(200));
+        assert_eq!(of("4:cpu,memory:/\n"), Some(9_223_372_036_854_771_712));
     }
 }

@@ -2,9 +2,9 @@
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
+use crate::allowance::Allowance;
 use crate::kernels::level::Level;
 use crate::limits::Limits;
-use crate::machine;
 use crate::presets;
 use crate::profile::{Profile, Stage};
 use crate::refinement::groups::LARGEST;
@@ -50,25 +50,6 @@ pub(crate) trait Pipeline: Send {
     ) -> Result<(), MatchError>;
 }
 
-/// Refuses a frame that needs more bytes than are allowed, or than there are.
-fn admit(
-    frame: &Frame<'_>,
-    needed: usize,
-    allowed: Option<usize>,
-    there: Option<usize>,
-) -> Result<(), MatchError> {
-    let ((columns, rows), disparities) = (frame.size(), frame.range.count());
-    match (allowed, there) {
-        (Some(limit), _) if needed > limit => {
-            Err(MatchError::Memory { columns, rows, disparities, needed, limit })
-        }
-        (_, Some(there)) if needed > there => {
-            Err(MatchError::MachineMemory { columns, rows, disparities, needed, there })
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Takes filled values out again, of which nothing is then known, and says what each hole is.
 pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
     for y in bounds.y0..=bounds.y1 {
@@ -94,6 +75,7 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
 pub struct Matcher {
     options: Options,
     level: Level,
+    allowance: Allowance,
     pool: rayon::ThreadPool,
     pipeline: Box<dyn Pipeline>,
     map: DisparityMap,
@@ -128,9 +110,10 @@ impl Matcher {
             allowed: format!("the system could not start them ({e}); ask for fewer"),
         })?;
         let level = Level::chosen()?;
-        let pipeline = presets::pipeline(&options, level);
+        let allowance = Allowance::new(options.memory);
+        let pipeline = presets::pipeline(&options, level, allowance);
         let (map, profile) = (DisparityMap::default(), Profile::new());
-        Ok(Self { options, level, pool, pipeline, map, profile })
+        Ok(Self { options, level, allowance, pool, pipeline, map, profile })
     }
 
     /// The options it was built from.
@@ -206,10 +189,9 @@ impl Matcher {
             return Err(MatchError::TooLarge { columns, rows, limit: LARGEST });
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
-        let Self { pipeline, map, profile, .. } = self;
-        let allowed = self.options.memory;
+        let Self { allowance, pipeline, map, profile, .. } = self;
         self.pool.install(|| {
-            admit(&frame, pipeline.least_memory(&frame), allowed, machine::memory())?;
+            allowance.admit(&frame, pipeline.least_memory(&frame))?;
             profile.begin();
             map.reshape(columns, rows, bounds);
             pipeline.run(&frame, map, profile)
@@ -312,34 +294,6 @@ pub(crate) mod tests {
         let ([whole, features], [bands, same]) = (operations(None), operations(Some(630_000)));
         assert!(whole < bands && bands < 2 * whole, "{whole}, {bands}");
         assert_eq!(features, same);
-    }
-
-    #[test]
-    fn a_frame_must_fit_what_is_allowed_and_what_there_is() {
-        let image = Image::Grey8(Plane::filled(70_000, 3, 0));
-        let frame = Frame {
-            left: &image,
-            right: &image,
-            bounds: BoundingBox::whole(70_000, 3),
-            range: DisparityRange::new(0, 16_383).unwrap(),
-        };
-        let needed = 28_706_000_000;
-        let admit = |allowed, there| admit(&frame, needed, allowed, there);
-        assert_eq!(admit(None, None), Ok(()));
-        assert_eq!(admit(Some(needed), Some(needed)), Ok(()));
-        let error = admit(None, Some(16_000_000_000)).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "70000 x 3 pixels and 16384 disparities need at least 28706 MB, but this machine has \
-             16000 MB: narrow the range, or match a box"
-        );
-        // Who allows more than there is has to know; who allows less is told what was allowed.
-        assert_eq!(admit(Some(2 * needed), Some(16_000_000_000)), Err(error));
-        let error = admit(Some(1_000_000_000), Some(16_000_000_000)).unwrap_err();
-        assert!(
-            error.to_string().starts_with("option `memory` is 1000 MB, but 70000 x 3 "),
-            "{error}"
-        );
     }
 
     #[test]

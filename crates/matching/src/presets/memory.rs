@@ -7,6 +7,7 @@
 use raster::{BoundingBox, Image};
 
 use super::right_choices::RightChoices;
+use crate::allowance::Allowance;
 use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::matcher::Frame;
@@ -142,9 +143,9 @@ impl Needs {
         self.rest + SemiGlobal::bytes(&self.volume, bands)
     }
 
-    /// The bands for a limit to all of it.
-    pub fn bands(&self, limit: Option<usize>) -> Bands {
-        let limit = limit.unwrap_or(UNASKED.max(self.rest + SUMS));
-        Bands::within(&self.volume, |bands| self.with(bands) <= limit)
+    /// The bands with which all of it may be taken.
+    pub fn bands(&self, allowance: Allowance) -> Bands {
+        let most = allowance.most(UNASKED.max(self.rest + SUMS));
+        Bands::within(&self.volume, |bands| self.with(bands) <= most)
     }
 }
