@@ -71,6 +71,19 @@ pub enum BoardError {
     /// The board ranks on another pair.
     #[error("{0}")]
     OtherHoldout(String),
+    /// Other tests gave the points of those who are on the board.
+    #[error(
+        "the scheme `{scheme}` has other tests than those by which `{id}` on this board got its points \
+         ({problem}): give the --scheme of before, or begin another board with --board"
+    )]
+    OtherScheme {
+        /// The scheme's name.
+        scheme: String,
+        /// Somebody on the board.
+        id: String,
+        /// What differs.
+        problem: String,
+    },
     /// The hold-out cannot be used.
     #[error("the hold-out {0}")]
     Holdout(String),

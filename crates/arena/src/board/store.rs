@@ -17,6 +17,7 @@ use super::error::BoardError;
 use super::holdout::Holdout;
 use super::picture::{Picture, SceneTruth};
 use super::schema::{self, Kind, VERSION};
+use crate::grade::{Scheme, Test, TestResult};
 use crate::submission::is_secret_id;
 
 /// How long a writer waits for others.
@@ -148,6 +149,18 @@ impl Board {
         earlier(&self.connection, &self.path, owner.into(), secret_id).map(drop)
     }
 
+    /// Errors when the points of this scheme cannot stand beside those on the board: of tests that are not the
+    /// same, or give other points for other figures.
+    pub fn admit_scheme(&self, scheme: &Scheme) -> Result<(), BoardError> {
+        for entry in self.entries()? {
+            if let Some(problem) = difference(&scheme.tests, &entry.report.tests) {
+                let scheme = scheme.name.clone();
+                return Err(BoardError::OtherScheme { scheme, id: entry.secret_id, problem });
+            }
+        }
+        Ok(())
+    }
+
     /// Everybody, earliest first.
     pub fn entries(&self) -> Result<Vec<Entry>, BoardError> {
         let failed = |source| self.failed(source);
@@ -243,6 +256,22 @@ impl Board {
             problem: format!("an entry in it cannot be understood ({error})"),
         })
     }
+}
+
+/// In what the first test that differs does. Limits of CPU time may: machines do.
+fn difference(tests: &[Test], graded: &[TestResult]) -> Option<String> {
+    let told = |name: &str, scene: &str, points: f64, e_rms: f64, p_bad: f64| {
+        format!("`{name}` on `{scene}`, {points} points up to E_RMS {e_rms} and p_bad {p_bad}")
+    };
+    let now = tests.iter().map(|t| told(&t.name, &t.scene, t.points, t.max_e_rms, t.max_p_bad));
+    let before =
+        graded.iter().map(|t| told(&t.name, &t.scene, t.max_points, t.max_e_rms, t.max_p_bad));
+    let (now, before): (Vec<_>, Vec<_>) = (now.collect(), before.collect());
+    if now.len() != before.len() {
+        return Some(format!("{} tests now, {} before", now.len(), before.len()));
+    }
+    let differs = now.iter().zip(&before).find(|(now, before)| now != before);
+    differs.map(|(now, before)| format!("{now}, before {before}"))
 }
 
 /// Makes an empty database a board that ranks on this hold-out, which is text in JSON.

@@ -296,6 +296,31 @@ fn a_name_that_a_test_has_already_is_refused_before_the_work() {
 }
 
 #[test]
+fn points_of_another_scheme_do_not_come_beside_those_of_the_first() {
+    let Some(course) = Course::new() else { return };
+    course.done(&with(&["--matcher", "fast"]));
+    let small = fs::read_to_string(course.0.path("small.toml")).unwrap();
+    for (from, to, words) in [
+        ("points = 2", "points = 6", "`Part 1, wall` on `wall`, 6 points up to"),
+        ("max_e_rms = ", "max_e_rms = 1", "before `Part 1, wall` on `wall`, 2 points up to"),
+        ("Part 1, wall", "Part 1, fence", "(`Part 1, fence` on"),
+    ] {
+        let other = small.replacen(from, to, 1);
+        assert_ne!(other, small);
+        fs::write(course.0.path("small.toml"), other).unwrap();
+        let (status, stdout, stderr) = course.run(&with(&["--matcher", "best"]));
+        assert_eq!((status, stdout.as_str()), (2, ""));
+        assert!(stderr.contains("has other tests than those by which `fast`"), "{stderr}");
+        assert!(stderr.contains(words), "{stderr}");
+    }
+    // Another machine may be given other limits of CPU time.
+    fs::write(course.0.path("small.toml"), small.replace("cpu_seconds = ", "cpu_seconds = 1"))
+        .unwrap();
+    course.done(&with(&["--matcher", "best"]));
+    assert_eq!(course.ranking().len(), 2);
+}
+
+#[test]
 fn many_at_once_are_all_entered() {
     let Some(course) = Course::new() else { return };
     let children: Vec<_> = (0..5)

@@ -66,6 +66,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
+    board.admit_scheme(workshop.scheme())?;
     // What is refused in the end is refused before the work, where the name is known by now.
     let named = args.secret_id.clone().or(args.entrant.matcher());
     if let Some(id) = named.filter(|id| is_secret_id(id)) {
