@@ -30,6 +30,18 @@ pub fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// What can be a length or an error.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "give a number above 0".into())
+}
+
+/// A part of a whole.
+pub fn share(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "give a number from 0 to 1".into())
+}
+
 /// What the option names, else what the variable does; an empty variable names nothing.
 ///
 /// Not clap's `env`, to which a variable that is set is an option that was given: it would be at odds

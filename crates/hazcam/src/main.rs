@@ -7,7 +7,9 @@ mod arguments;
 mod cli;
 mod clock;
 mod commands;
+mod map;
 mod outputs;
+mod rig;
 mod ui;
 mod wrap;
 

@@ -1,7 +1,7 @@
 //! `hazcam depth` on disparities whose depth is known.
 
 use formats::Encoding;
-use raster::Plane;
+use raster::{Image, Plane};
 use serde_json::Value;
 
 use crate::folder::Folder;
@@ -70,6 +70,8 @@ fn a_calibration_of_another_size_is_refused() {
 fn what_cannot_be_done_is_said_and_nothing_is_written() {
     let folder = folder();
     folder.disparities("small.pfm", &[1.0]);
+    let grey = Plane::filled(5, 1, 200u8);
+    formats::write_image(folder.path("sure.png"), &Image::Grey8(grey)).unwrap();
     let before = folder.names();
     for (arguments, expected) in [
         ("depth d.pfm", "give --calibration FILE, or --focal in pixels and --baseline in metres"),
@@ -85,6 +87,10 @@ fn what_cannot_be_done_is_said_and_nothing_is_written() {
         (
             "depth d.pfm --focal 9 --baseline 1 --confidence small.pfm --min-confidence 0.5",
             "small.pfm is 1 x 1 but d.pfm is 5 x 1",
+        ),
+        (
+            "depth d.pfm --focal 9 --baseline 1 --confidence sure.png --min-confidence 0.5",
+            "sure.png holds no confidence: the pixel at column 0, row 0 is 200, but it must be from 0 to 1",
         ),
     ] {
         let outcome = folder.run(arguments);

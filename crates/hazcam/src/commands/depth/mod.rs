@@ -3,7 +3,6 @@
 mod kept;
 mod points;
 mod reach;
-mod rig;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,11 +12,13 @@ use camera::StereoCamera;
 use formats::{Encoding, Point, write_depth, write_points};
 use raster::Plane;
 
+use crate::arguments;
+use crate::map::Map;
 use crate::outputs::{self, Output};
+use crate::rig::CameraArguments;
 use crate::ui::Ui;
 use kept::Limits;
 use reach::Reach;
-use rig::CameraArguments;
 
 /// Turn a disparity map into depth and points, and say how good they are at which range
 ///
@@ -54,11 +55,11 @@ pub struct Args {
 
     /// Leave out pixels less sure than this, from 0 to 1
     #[arg(long, value_name = "SHARE", help_heading = "Which pixels", requires = "confidence")]
-    #[arg(value_parser = share)]
+    #[arg(value_parser = arguments::share)]
     min_confidence: Option<f32>,
 
     /// Leave out what is farther away than this, in metres
-    #[arg(long, value_name = "M", help_heading = "Which pixels", value_parser = positive)]
+    #[arg(long, value_name = "M", help_heading = "Which pixels", value_parser = arguments::positive)]
     max_depth: Option<f64>,
 
     /// Where to write the depth: .pfm, .npy, .tiff, or .png in millimetres
@@ -80,23 +81,12 @@ pub struct Args {
 
     /// By how much disparities are off, in pixels
     #[arg(long, value_name = "PX", default_value_t = 0.5, help_heading = "Output")]
-    #[arg(value_parser = positive)]
+    #[arg(value_parser = arguments::positive)]
     disparity_error: f64,
 
     /// Print JSON
     #[arg(long, help_heading = "Output")]
     json: bool,
-}
-
-/// What can be a length or an error.
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "give a number above 0".into())
-}
-
-fn share(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
-    number.ok_or_else(|| "give a number from 0 to 1".into())
 }
 
 /// Reads everything, writes all files or none, prints how far depth is good.
@@ -107,35 +97,25 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let anyone = StereoCamera::new(1.0, 1.0, 0.0, 0.0, 0.0)?;
     outputs::check(&all(&args, &anyone, &Plane::filled(1, 1, 1.0), &[]), &inputs)?;
 
-    let read = formats::read_disparity(&args.disparity, args.encoding)?;
-    if let Some(note) = &read.note {
-        ui.note(format_args!("{}: {note}", args.disparity.display()));
-    }
-    let disparities = read.values;
-    let size = disparities.size();
-    let image = args.image.as_ref().map(formats::read_image).transpose()?;
-    if let (Some(path), Some(image)) = (&args.image, &image) {
-        same_size(&args, path, image.size(), size)?;
-    }
-    let confidence = match &args.confidence {
-        Some(path) => {
-            let values = formats::read_disparity(path, Encoding::Auto)?.values;
-            same_size(&args, path, values.size(), size)?;
-            Some(values)
-        }
-        None => None,
+    let map = Map::read(&args.disparity, args.encoding, ui)?;
+    let image = args.image.as_ref().map(|path| map.image(path)).transpose()?;
+    let confidence = args.confidence.as_ref().map(|path| map.confidence(path)).transpose()?;
+    let Some(camera) = args.rig.camera(map.disparities.size(), args.image.as_deref(), ui)? else {
+        bail!(
+            "depth needs a camera: give --calibration FILE, or --focal in pixels and --baseline in \
+             metres"
+        );
     };
-    let camera = args.rig.camera(size, args.image.as_deref(), ui)?;
     let limits = Limits {
         confidence: confidence.as_ref().zip(args.min_confidence),
         max_depth: args.max_depth,
     };
-    let (depths, counts) = kept::depths(&disparities, &camera, &limits);
+    let (depths, counts) = kept::depths(&map.disparities, &camera, &limits);
 
     let points = args
         .points
         .as_ref()
-        .map(|_| points::points(&disparities, &depths, &camera, image.as_ref()));
+        .map(|_| points::points(&map.disparities, &depths, &camera, image.as_ref()));
     outputs::write_all_or_none(&all(
         &args,
         &camera,
@@ -173,23 +153,4 @@ fn all<'a>(
         all.push(Output::new("--points", path, |path| write_points(path, points)));
     }
     all
-}
-
-/// Errors that name the files: `path` lies over the map.
-fn same_size(
-    args: &Args,
-    path: &Path,
-    found: (usize, usize),
-    (columns, rows): (usize, usize),
-) -> anyhow::Result<()> {
-    if found != (columns, rows) {
-        bail!(
-            "{} is {} x {} but {} is {columns} x {rows}: they must have one size",
-            path.display(),
-            found.0,
-            found.1,
-            args.disparity.display()
-        );
-    }
-    Ok(())
 }

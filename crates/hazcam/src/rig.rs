@@ -48,30 +48,26 @@ impl CameraArguments {
         self.calibration.as_ref()
     }
 
-    /// The camera of a map of this size; `image` is its left picture, if that was named.
+    /// The camera of a map of this size, `None` where none was given; `image` is the map's left
+    /// picture, if that was named.
     pub fn camera(
         &self,
         size: (usize, usize),
         image: Option<&Path>,
         ui: &Ui,
-    ) -> anyhow::Result<StereoCamera> {
+    ) -> anyhow::Result<Option<StereoCamera>> {
         match &self.calibration {
-            Some(path) => calibrated(path, size, image, ui),
+            Some(path) => calibrated(path, size, image, ui).map(Some),
             None => self.stated(size),
         }
     }
 
-    fn stated(&self, (columns, rows): (usize, usize)) -> anyhow::Result<StereoCamera> {
-        let (Some(focal), Some(baseline)) = (self.focal, self.baseline) else {
-            bail!(
-                "depth needs a camera: give --calibration FILE, or --focal in pixels and --baseline in \
-                 metres"
-            );
-        };
+    fn stated(&self, (columns, rows): (usize, usize)) -> anyhow::Result<Option<StereoCamera>> {
+        let (Some(focal), Some(baseline)) = (self.focal, self.baseline) else { return Ok(None) };
         let middle = [columns, rows].map(|count| (count as f64 - 1.0) / 2.0);
         let [cx, cy] = self.principal.unwrap_or(middle);
-        StereoCamera::new(focal, baseline, self.doffs, cx, cy)
-            .context("the numbers given make no camera")
+        let camera = StereoCamera::new(focal, baseline, self.doffs, cx, cy);
+        camera.map(Some).context("the numbers given make no camera")
     }
 }
 

@@ -1,0 +1,74 @@
+//! A disparity map from its file, with what lies over it pixel for pixel: the left image, how sure each
+//! pixel is.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use formats::{Encoding, ReadDisparity};
+use raster::{Image, Plane};
+
+use crate::ui::Ui;
+
+/// A disparity map and where it came from.
+pub struct Map {
+    path: PathBuf,
+    /// In pixels, NaN where there is none.
+    pub disparities: Plane<f32>,
+}
+
+impl Map {
+    /// Reads a map and says what had to be assumed.
+    pub fn read(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Self> {
+        Ok(Self { path: path.to_owned(), disparities: disparities(path, encoding, ui)? })
+    }
+
+    /// The left image.
+    pub fn image(&self, path: &Path) -> anyhow::Result<Image> {
+        let image = formats::read_image(path)?;
+        self.same_size(path, image.size())?;
+        Ok(image)
+    }
+
+    /// How sure each pixel is, from 0 to 1; NaN is not sure.
+    pub fn confidence(&self, path: &Path) -> anyhow::Result<Plane<f32>> {
+        // Not what had to be assumed: a file that needs that holds no confidence, which is found below.
+        let confidence = formats::read_disparity(path, Encoding::Auto)?.values;
+        self.same_size(path, confidence.size())?;
+        let wrong = confidence.samples().iter().position(|sure| *sure < 0.0 || *sure > 1.0);
+        if let Some(at) = wrong {
+            bail!(
+                "{} holds no confidence: the pixel at column {}, row {} is {}, but it must be from 0 to 1; \
+                 give the .pfm, .npy or .tiff of `hazcam match --confidence`",
+                path.display(),
+                at % confidence.columns(),
+                at / confidence.columns(),
+                confidence.samples()[at]
+            );
+        }
+        Ok(confidence)
+    }
+
+    /// Errors that name the files: `path` lies over the map.
+    fn same_size(&self, path: &Path, found: (usize, usize)) -> anyhow::Result<()> {
+        let (columns, rows) = self.disparities.size();
+        if found != (columns, rows) {
+            bail!(
+                "{} is {} x {} but {} is {columns} x {rows}: they must have one size",
+                path.display(),
+                found.0,
+                found.1,
+                self.path.display()
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Reads disparities and says what had to be assumed.
+fn disparities(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Plane<f32>> {
+    let ReadDisparity { values, note, .. } = formats::read_disparity(path, encoding)?;
+    if let Some(note) = note {
+        ui.note(format_args!("{}: {note}", path.display()));
+    }
+    Ok(values)
+}
