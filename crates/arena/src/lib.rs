@@ -4,7 +4,6 @@ pub mod board;
 pub mod dataset;
 pub mod engine;
 pub mod grade;
-mod markup;
 pub mod record;
 pub mod report;
 pub mod run;

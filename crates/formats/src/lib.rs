@@ -43,6 +43,7 @@
 //! | file | reader | content |
 //! | --- | --- | --- |
 //! | `mask0nocc.png` | [`read_mask`] | 255 = seen by both cameras |
+//! | pictures of `hazcam match --reasons` | [`read_reasons`] | why each pixel has its value or none |
 //! | `*_bounds.npy` | [`read_bounding_box`] | `[[x0, x1], [y0, y1]]`, inclusive |
 //! | `calib.txt` of Middlebury, ETH3D, KITTI | [`read_calibration`] | a [`camera::StereoCamera`] |
 //! | any of them | [`inspect`] | what is in it, in numbers |
@@ -80,6 +81,7 @@ mod error;
 mod image;
 mod inspect;
 mod jpeg;
+pub mod markup;
 mod mask;
 mod netpbm;
 pub mod npy;
@@ -90,6 +92,7 @@ pub mod picture;
 mod ply;
 mod png;
 mod pnm;
+mod reasons;
 mod source;
 mod tiff;
 
@@ -106,4 +109,5 @@ pub use inspect::{DisparityReading, FileContent, FileInfo, Statistics, inspect, 
 pub use mask::read_mask;
 pub use path_text::path_as_text;
 pub use ply::{Point, write_points};
+pub use reasons::read_reasons;
 pub use source::{Container, MAX_FILE_BYTES, MAX_PIXELS};

@@ -6,7 +6,7 @@
 use super::{BoardPage, anchor, image, number};
 use crate::board::{Picture, Standing};
 use crate::grade::{Outcome, TestResult};
-use crate::markup::escaped;
+use formats::markup::escaped;
 
 pub(super) fn section(
     page: &BoardPage<'_>,

@@ -21,7 +21,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
 use crate::board::{Holdout, Picture, SceneTruth, Standing};
-use crate::markup::escaped;
+use formats::markup::escaped;
 
 /// What a page about a board shows.
 #[derive(Debug)]

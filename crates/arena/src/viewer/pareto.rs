@@ -2,7 +2,7 @@
 
 use super::anchor;
 use crate::board::Standing;
-use crate::markup::escaped;
+use formats::markup::escaped;
 
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 290.0;

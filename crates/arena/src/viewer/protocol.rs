@@ -1,11 +1,11 @@
 //! How everything was measured, in words that stand beside the numbers.
 
-use formats::picture::{HOLE, LOG_ERROR_COLOURS, LOG_ERROR_STEPS};
+use formats::picture::log_error_legend;
 
 use super::BoardPage;
 use crate::board::BONUS;
 use crate::grade::{PROTOCOL, Report};
-use crate::markup::escaped;
+use formats::markup::escaped;
 
 pub(super) fn section(page: &BoardPage<'_>) -> String {
     let test = &page.holdout.test;
@@ -69,18 +69,8 @@ fn tests(report: &Report) -> String {
 }
 
 fn legend() -> String {
-    let item = |[r, g, b]: [u8; 3], text: String| {
+    let item = |([r, g, b], text): ([u8; 3], String)| {
         format!("<li><span style=\"background: rgb({r} {g} {b})\"></span>{text}</li>")
     };
-    let ranges =
-        LOG_ERROR_STEPS.iter().enumerate().map(|(at, from)| match LOG_ERROR_STEPS.get(at + 1) {
-            Some(to) => format!("{from} to {to}"),
-            None => format!("{from} and more"),
-        });
-    LOG_ERROR_COLOURS
-        .into_iter()
-        .zip(ranges)
-        .map(|(colour, range)| item(colour, range))
-        .chain([item(HOLE, "no answer".into())])
-        .collect()
+    log_error_legend().into_iter().map(item).collect()
 }

@@ -3,7 +3,7 @@
 use super::{anchor, number};
 use crate::board::Standing;
 use crate::grade::output::points;
-use crate::markup::escaped;
+use formats::markup::escaped;
 
 /// Heading, explanation, whether numbers stand in it, whether a narrow screen leaves it out.
 const COLUMNS: [(&str, &str, bool, bool); 10] = [

@@ -24,6 +24,14 @@ pub const LOG_ERROR_COLOURS: [[u8; 3]; 10] = [
     [165, 0, 38],
 ];
 
+/// What each colour of [`log_error`] stands for: the ranges of [`LOG_ERROR_STEPS`], then [`HOLE`].
+pub fn log_error_legend() -> Vec<([u8; 3], String)> {
+    let ends = LOG_ERROR_STEPS[1..].iter().map(|to| format!("to {to}"));
+    let ranges = LOG_ERROR_STEPS.iter().zip(ends.chain(["and more".to_owned()]));
+    let ranges = ranges.map(|(from, to)| format!("{from} {to}"));
+    LOG_ERROR_COLOURS.into_iter().zip(ranges).chain([(HOLE, "no answer".to_owned())]).collect()
+}
+
 /// The error picture of KITTI 2015 (Menze & Geiger, CVPR 2015): `n = min(err / 3, 20 err / d)`,
 /// which is 1 where D1 begins to count a pixel as wrong (3 px and 5 % of the true `d`), in ten
 /// steps of doubling width. No truth is black, no estimate is [`HOLE`].
@@ -112,6 +120,15 @@ mod tests {
         let mask = Plane::new(4, 1, vec![false, true, false, false]).unwrap();
         let picture = log_error(&estimate, &truth, Some(&mask)).unwrap();
         assert_eq!(picture.samples(), [BLACK, HOLE, [24, 27, 74], [0, 100, 0]]);
+    }
+
+    #[test]
+    fn the_legend_has_every_colour_once() {
+        let legend = log_error_legend();
+        let words: Vec<&str> = legend.iter().map(|(_, words)| words.as_str()).collect();
+        assert_eq!(words[..2], ["0 to 0.0625", "0.0625 to 0.125"]);
+        assert_eq!(words[9..], ["16 and more", "no answer"]);
+        assert_eq!((legend[9].0, legend[10].0), (LOG_ERROR_COLOURS[9], HOLE));
     }
 
     #[test]

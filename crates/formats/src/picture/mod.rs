@@ -1,10 +1,12 @@
-//! Pictures of disparity maps for people to look at. They cannot be read back as numbers.
+//! Pictures of disparity maps for people to look at. They cannot be read back as numbers; reasons
+//! alone can, by [`read_reasons`](crate::read_reasons).
 //!
 //! Every picture is 8-bit RGB of the size of its map. Black is "nothing to show": no value, no
 //! truth, outside the box.
 
 mod colour_map;
 mod error;
+mod image;
 mod maps;
 
 use std::io;
@@ -13,7 +15,8 @@ use std::path::Path;
 use raster::Plane;
 
 pub use colour_map::ColourMap;
-pub use error::{HOLE, LOG_ERROR_COLOURS, LOG_ERROR_STEPS, log_error};
+pub use error::{HOLE, LOG_ERROR_COLOURS, LOG_ERROR_STEPS, log_error, log_error_legend};
+pub use image::image;
 pub use maps::{confidence, disparity, reason_colour, reasons, value_range};
 
 use crate::{FormatError, png, write_atomically};

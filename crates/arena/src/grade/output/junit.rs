@@ -3,7 +3,7 @@
 
 use super::super::{Outcome, Report};
 use super::{details, points};
-use crate::markup::escaped;
+use formats::markup::escaped;
 
 /// The whole file.
 pub fn write(report: &Report) -> String {

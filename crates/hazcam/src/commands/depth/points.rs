@@ -25,12 +25,8 @@ pub fn points(
 
 /// Those of the picture in 8 bits; without one, near is red and far is blue.
 fn colours(disparities: &Plane<f32>, image: Option<&Image>) -> Plane<[u8; 3]> {
-    let high = |sample: u16| (sample >> 8) as u8;
     match image {
-        Some(Image::Grey8(grey)) => grey.map(|&grey| [grey; 3]),
-        Some(Image::Grey16(grey)) => grey.map(|&grey| [high(grey); 3]),
-        Some(Image::Rgb8(colours)) => colours.clone(),
-        Some(Image::Rgb16(colours)) => colours.map(|&colour| colour.map(high)),
+        Some(image) => picture::image(image),
         None => {
             let (least, most) = picture::value_range(disparities).unwrap_or((0.0, 1.0));
             picture::disparity(disparities, least, most, ColourMap::Turbo)

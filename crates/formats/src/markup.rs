@@ -1,8 +1,8 @@
-//! Text inside HTML and XML.
+//! Text inside HTML and XML, for whoever writes pages and reports.
 
 /// Text that markup can hold: its special characters escaped, and characters that no XML may
 /// contain replaced.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
