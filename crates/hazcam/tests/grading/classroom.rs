@@ -1,13 +1,14 @@
 //! A folder with a small scheme, submissions written by tests, and the command to grade them.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::skip::skip;
 
 /// One test per part on a small rendered scene, so that grading takes a moment.
 const SCHEME: &str = r#"
@@ -243,10 +244,4 @@ fn python_with(module: &'static str) -> Option<PathBuf> {
         skip(&format!("there is no python3 with {module}"));
     }
     found.clone()
-}
-
-/// Says past the test harness, which keeps what passing tests print, why a test was skipped.
-pub fn skip(why: &str) {
-    let test = std::thread::current().name().unwrap_or("a test").to_owned();
-    let _ = writeln!(std::io::stderr(), "skipped {test}: {why}");
 }

@@ -24,7 +24,7 @@ fn our_own_presets_get_all_points() {
 #[test]
 fn the_course_gives_its_fifty_points() {
     let Some(data) = std::env::var_os("HAZCAM_DATA").filter(|folder| !folder.is_empty()) else {
-        return crate::classroom::skip("HAZCAM_DATA is not set");
+        return crate::skip::skip("HAZCAM_DATA is not set");
     };
     let Some(classroom) = Classroom::without_python() else { return };
     let mut command = classroom.command("grade", &["--matcher", "fast:best", "--format", "json"]);
@@ -36,7 +36,7 @@ fn the_course_gives_its_fifty_points() {
 /// A shell script as an engine, in the Robust Vision form.
 fn with_script(script: &str) -> Option<(Classroom, Report)> {
     if !std::path::Path::new("/bin/sh").exists() {
-        crate::classroom::skip("there is no /bin/sh");
+        crate::skip::skip("there is no /bin/sh");
         return None;
     }
     let classroom = Classroom::without_python()?;

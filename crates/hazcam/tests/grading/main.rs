@@ -4,6 +4,7 @@
 mod archives;
 mod attacks;
 mod board;
+#[path = "../browser/mod.rs"]
 mod browser;
 mod classroom;
 mod engines;
@@ -16,4 +17,6 @@ mod missing_parts;
 mod outputs;
 mod page;
 mod paths;
+#[path = "../skip/mod.rs"]
+mod skip;
 mod zips;

@@ -1,4 +1,4 @@
-//! A headless Chromium, driven over its DevTools protocol as far as the page's tests need it.
+//! A headless Chromium, driven over its DevTools protocol as far as the tests of pages need it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-use crate::classroom::skip;
+use crate::skip::skip;
 
 /// Names under which Chromium is known.
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
@@ -36,7 +36,9 @@ impl Browser {
         command.arg("--headless").arg("--remote-debugging-port=0");
         command.arg(format!("--user-data-dir={}", profile.path().display()));
         // It opens only what these tests wrote, and its own sandbox refuses to run as root.
-        command.args(["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"]);
+        command.args(["--no-sandbox", "--no-first-run", "--disable-sync"]);
+        // WebGL on the processor: what a machine's graphics would draw is nobody's to know.
+        command.args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]);
         command.args(["--disable-background-networking", "--disable-component-update"]);
         let child =
             command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
@@ -70,9 +72,14 @@ impl Browser {
     /// Opens a file and waits until it is loaded.
     pub fn open(&mut self, file: &Path) {
         self.call("Page.navigate", json!({ "url": format!("file://{}", file.display()) }));
+        self.wait_for("document.readyState + location.protocol === 'completefile:'");
+    }
+
+    /// Waits until an expression on the page is true.
+    pub fn wait_for(&mut self, expression: &str) {
         let started = Instant::now();
-        while self.eval("document.readyState + location.protocol") != "completefile:" {
-            assert!(started.elapsed() < Duration::from_secs(60), "the page does not load");
+        while self.eval(expression) != true {
+            assert!(started.elapsed() < Duration::from_secs(60), "never true: {expression}");
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -95,13 +102,19 @@ impl Browser {
             "(e => (e.scrollIntoView({{ block: 'center' }}), (r => [r.x + r.width / 2, r.y + \
              r.height / 2])(e.getBoundingClientRect())))(document.querySelector({selector:?}))"
         ));
+        let place = [0, 1].map(|at| place[at].as_f64().unwrap());
         for kind in ["mousePressed", "mouseReleased"] {
-            self.call(
-                "Input.dispatchMouseEvent",
-                json!({ "type": kind, "x": place[0], "y": place[1], "button": "left",
-                        "clickCount": 1 }),
-            );
+            self.mouse(kind, place);
         }
+    }
+
+    /// What the mouse does at a place: `mousePressed`, `mouseMoved`, `mouseReleased`.
+    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
+        let button = if kind == "mouseMoved" { "none" } else { "left" };
+        self.call(
+            "Input.dispatchMouseEvent",
+            json!({ "type": kind, "x": x, "y": y, "button": button, "clickCount": 1 }),
+        );
     }
 
     /// Presses a key.
