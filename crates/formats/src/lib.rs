@@ -30,13 +30,14 @@
 //! Integers do not say their scale, and a map at the wrong scale looks right and scores as almost
 //! all wrong: [`ReadDisparity::note`] tells what was assumed.
 //!
-//! # Depth: [`write_depth`], [`write_points`]
+//! # Depth: [`write_depth`], [`write_points`], [`write_view`]
 //!
 //! | what | extension | content |
 //! | --- | --- | --- |
 //! | depth map | `.pfm`, `.npy`, `.tiff` | metres, float32 |
 //! | depth map | `.png` | millimetres, 16 bit, 0 where there is none |
 //! | points | `.ply` | metres and colours, binary |
+//! | points beside the map | `.html` | a page for a browser, complete in itself |
 //!
 //! # What goes with them
 //!
@@ -95,6 +96,7 @@ mod pnm;
 mod reasons;
 mod source;
 mod tiff;
+mod view;
 
 pub use all_or_none::{Writer, try_to_write, write_all_or_none};
 pub use atomic::{destination, write_atomically};
@@ -111,3 +113,4 @@ pub use path_text::path_as_text;
 pub use ply::{Point, write_points};
 pub use reasons::read_reasons;
 pub use source::{Container, MAX_FILE_BYTES, MAX_PIXELS};
+pub use view::{View, write_view};

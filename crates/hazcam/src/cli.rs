@@ -68,6 +68,7 @@ commands! {
         Match => match_pair,
         Score => score,
         Depth => depth,
+        View => view,
         Info => info,
         Explain => explain,
     }

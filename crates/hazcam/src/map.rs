@@ -1,11 +1,11 @@
 //! A disparity map from its file, with what lies over it pixel for pixel: the left image, how sure each
-//! pixel is.
+//! pixel is and why, the truth.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use formats::{Encoding, ReadDisparity};
-use raster::{Image, Plane};
+use raster::{Image, Plane, Reason};
 
 use crate::ui::Ui;
 
@@ -37,8 +37,8 @@ impl Map {
         let wrong = confidence.samples().iter().position(|sure| *sure < 0.0 || *sure > 1.0);
         if let Some(at) = wrong {
             bail!(
-                "{} holds no confidence: the pixel at column {}, row {} is {}, but it must be from 0 to 1; \
-                 give the .pfm, .npy or .tiff of `hazcam match --confidence`",
+                "{} holds no confidence: the pixel at column {}, row {} is {}, but it must be from \
+                 0 to 1; give the .pfm, .npy or .tiff of `hazcam match --confidence`",
                 path.display(),
                 at % confidence.columns(),
                 at / confidence.columns(),
@@ -46,6 +46,20 @@ impl Map {
             );
         }
         Ok(confidence)
+    }
+
+    /// Why each pixel has its value or none.
+    pub fn reasons(&self, path: &Path) -> anyhow::Result<Plane<Reason>> {
+        let reasons = formats::read_reasons(path)?;
+        self.same_size(path, reasons.size())?;
+        Ok(reasons)
+    }
+
+    /// The true disparities. Says what had to be assumed.
+    pub fn truth(&self, path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Plane<f32>> {
+        let truth = disparities(path, encoding, ui)?;
+        self.same_size(path, truth.size())?;
+        Ok(truth)
     }
 
     /// Errors that name the files: `path` lies over the map.

@@ -14,6 +14,7 @@ pub mod man;
 pub mod match_pair;
 pub mod sandbox_exec;
 pub mod score;
+pub mod view;
 
 use clap::builder::PossibleValuesParser;
 

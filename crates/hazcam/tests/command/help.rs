@@ -12,6 +12,7 @@ fn help_is_what_it_was() {
         ("help_match", "match --help"),
         ("help_score", "score --help"),
         ("help_depth", "depth --help"),
+        ("help_view", "view --help"),
         ("help_info", "info --help"),
         ("help_explain", "explain --help"),
         ("help_demo", "demo --help"),

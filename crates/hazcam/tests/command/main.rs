@@ -2,6 +2,8 @@
 //! with is looked at.
 
 mod bad_input;
+#[path = "../browser/mod.rs"]
+mod browser;
 mod depth;
 mod doctor;
 mod folder;
@@ -11,3 +13,6 @@ mod match_pair;
 #[cfg(target_os = "linux")]
 mod names;
 mod score;
+#[path = "../skip/mod.rs"]
+mod skip;
+mod view;
