@@ -20,9 +20,9 @@ use crate::ui::Ui;
 #[derive(clap::Args)]
 #[command(after_help = "\
 The page is one HTML file, complete in itself. It needs WebGL 2, which browsers have since 2022.
-Nothing is left out: expect about 2 bytes a pixel for the disparities, 1.5 for a confidence, 2 for
-the truth, and the image as PNG with a third on top. With all of that a map of 3000 x 2000 pixels
-makes about 50 MB, which browsers open within seconds, one of 450 x 375 about 1 MB.
+No point is left out: expect about 2 bytes a pixel for the disparities, 1 for the confidence, 3 for
+the image, 4 for the truth. With all of these a map of 3000 x 2000 pixels makes 40 to 60 MB, which
+browsers open within seconds, one of 450 x 375 about 1.5 MB.
 
 Examples:
   hazcam view disparity.pfm --calibration calib.txt --image left.png -o view.html
