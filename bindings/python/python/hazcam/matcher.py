@@ -1,0 +1,131 @@
+"""The matchers ``fast``, ``balanced`` and ``best``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _hazcam
+from .disparity_map import DisparityMap, VerticalDisparity
+
+Image: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
+Preset: TypeAlias = Literal["fast", "balanced", "best"]
+Holes: TypeAlias = Literal["fill", "keep"]
+
+
+class Matcher:
+    """Matches rectified pairs of images: built once, then fed frame after frame.
+
+    Parameters
+    ----------
+    preset
+        ``"fast"``: a fixed square window, sum of absolute differences (Scharstein & Szeliski 2002).
+        ``"balanced"``: semi-global matching in real time (Hirschmüller 2008) with learned choices.
+        ``"best"``: accuracy first, with learned descriptors. ``hazcam explain PRESET`` tells all.
+    max_disparity, min_disparity
+        The disparities to search, in whole pixels, both included; from -16383 to 16383. What is nearer
+        than ``max_disparity`` is missed. ``min_disparity`` may be negative.
+    threads
+        1 to 1024; one per processor unless given. The answer does not depend on it.
+    memory
+        The most bytes that a frame may take. With less, ``balanced`` and ``best`` take longer; the answer
+        does not depend on it.
+    holes
+        ``"fill"`` gives pixels without a trustworthy match a value from their surroundings, ``"keep"``
+        leaves them NaN. :class:`Reason` tells which they are in both.
+    without
+        Names of what the preset is to do without, such as ``("median",)``.
+
+    Raises
+    ------
+    ArgumentError, ArgumentTypeError
+        For an option that is not allowed; the message says what is.
+
+    Notes
+    -----
+    It keeps its memory from frame to frame. Several Python threads may share one: frames wait for each
+    other, and other Python threads run while it matches. A process that was forked off needs one of its
+    own. The Rust crate ``hazcam-matching`` does the work.
+    """
+
+    __slots__ = ("_arguments", "_matcher")
+
+    def __init__(
+        self,
+        preset: Preset = "balanced",
+        max_disparity: int = 64,
+        *,
+        min_disparity: int = 0,
+        threads: int | None = None,
+        memory: int | None = None,
+        holes: Holes = "fill",
+        without: Sequence[str] = (),
+    ) -> None:
+        self._matcher = _hazcam.Matcher(
+            preset, max_disparity, min_disparity, threads, memory, holes, without
+        )
+        self._arguments = (
+            f"{preset!r}, {max_disparity}, min_disparity={min_disparity}, threads={threads}, "
+            f"memory={memory}, holes={holes!r}, without={without!r}"
+        )
+
+    def compute(self, left: Image, right: Image, box: ArrayLike | None = None) -> DisparityMap:
+        """The disparity of every pixel of the left image.
+
+        Parameters
+        ----------
+        left, right
+            The rectified pair: uint8 or uint16, shape (rows, columns) for grey or (rows, columns, 3) for
+            red, green, blue (OpenCV reads blue first: ``left[..., ::-1]``). Both are of one size and
+            depth, and in any layout of memory. Samples of 12 bits in uint16 want ``left << 4``.
+        box
+            ``(x0, y0, x1, y1)``: the first column and row and the last column and row to answer, all part
+            of the box. The whole image unless given.
+
+        Raises
+        ------
+        ArgumentError, ArgumentTypeError
+            For images that are no pair, and for a box that leaves them.
+        FrameMemoryError
+            For a frame that needs more memory than is allowed or there is.
+        """
+        values, reasons, confidence, vertical = self._matcher.compute(left, right, box)
+        mended = None
+        if vertical is not None:
+            (c0, c1, c2, c3, c4), root_mean_square, largest = vertical
+            mended = VerticalDisparity((c0, c1, c2, c3, c4), root_mean_square, largest)
+        return DisparityMap(values, reasons, confidence, mended)
+
+    def __repr__(self) -> str:
+        return f"hazcam.Matcher({self._arguments})"
+
+
+def match(
+    left: Image,
+    right: Image,
+    max_disparity: int = 64,
+    *,
+    box: ArrayLike | None = None,
+    preset: Preset = "balanced",
+    min_disparity: int = 0,
+    threads: int | None = None,
+    memory: int | None = None,
+    holes: Holes = "fill",
+    without: Sequence[str] = (),
+) -> DisparityMap:
+    """The disparities of one pair, with a matcher that is made for it alone.
+
+    ``left``, ``right`` and ``box`` are those of :meth:`Matcher.compute`, everything else is that of
+    :class:`Matcher`, and so are the errors. For more frames than one, make a :class:`Matcher`.
+    """
+    options: dict[str, Any] = {
+        "min_disparity": min_disparity,
+        "threads": threads,
+        "memory": memory,
+        "holes": holes,
+        "without": without,
+    }
+    return Matcher(preset, max_disparity, **options).compute(left, right, box)

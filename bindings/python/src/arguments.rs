@@ -1,0 +1,132 @@
+//! Numbers, names, boxes and paths from Python, each with an error that names it.
+
+use std::path::PathBuf;
+
+use matching::{Holes, Ingredient, Options};
+use pyo3::exceptions::PyOverflowError;
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use raster::{BoundingBox, DisparityRange};
+
+use crate::errors::{ArgumentError, of_matching, wrong_type, wrong_value};
+
+/// The most characters of a value that stand in a message.
+const SHOWN: usize = 60;
+
+/// A value and its type in a message, on one line.
+pub fn shown(value: &Bound<'_, PyAny>) -> String {
+    let text = value.repr().map_or_else(|_| "something".into(), |text| text.to_string());
+    let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if let Some((end, _)) = words.char_indices().nth(SHOWN) {
+        words.truncate(end);
+        words.push_str("...");
+    }
+    format!("{words} ({})", type_name(value))
+}
+
+/// The name of a value's type.
+pub fn type_name(value: &Bound<'_, PyAny>) -> String {
+    value.get_type().name().map_or_else(|_| "of an unknown type".into(), |name| name.to_string())
+}
+
+/// A whole number: an `int`, or one of numpy's.
+fn whole(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<i64> {
+    value.extract().map_err(|error: PyErr| {
+        if error.is_instance_of::<PyOverflowError>(value.py()) {
+            return wrong_value(name, shown(value), allowed);
+        }
+        let remedy = match value.extract::<f64>() {
+            Ok(_) => format!("; int({name}) is one"),
+            Err(_) => String::new(),
+        };
+        wrong_type(name, shown(value), format!("a whole number is needed: {allowed}{remedy}"))
+    })
+}
+
+/// A disparity of the range that is searched.
+pub fn disparity(name: &str, value: &Bound<'_, PyAny>) -> PyResult<i32> {
+    let farthest = Options::FARTHEST;
+    let allowed = format!("it must be from -{farthest} to {farthest} pixels");
+    let number = whole(name, value, &allowed)?;
+    i32::try_from(number).map_err(|_| wrong_value(name, number, allowed))
+}
+
+/// All disparities that are searched.
+pub fn range(max: &Bound<'_, PyAny>, min: &Bound<'_, PyAny>) -> PyResult<DisparityRange> {
+    let (max, min) = (disparity("max_disparity", max)?, disparity("min_disparity", min)?);
+    DisparityRange::new(min, max).map_err(|_| {
+        wrong_value("max_disparity", max, format!("it must not be below `min_disparity`, {min}"))
+    })
+}
+
+/// How many there may be of something, `None` as it is.
+pub fn count(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<Option<usize>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    let number = whole(name, value, allowed)?;
+    usize::try_from(number).map(Some).map_err(|_| wrong_value(name, number, allowed))
+}
+
+/// A number with its fraction.
+pub fn real(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    value.extract().map_err(|_| wrong_type(name, shown(value), "a number is needed"))
+}
+
+/// A text.
+pub fn text(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<String> {
+    let text = value.cast::<PyString>().map_err(|_| wrong_type(name, shown(value), allowed))?;
+    text.extract()
+}
+
+/// What becomes of pixels without a trustworthy match.
+pub fn holes(value: &Bound<'_, PyAny>) -> PyResult<Holes> {
+    let allowed = "it must be 'fill' or 'keep'";
+    match text("holes", value, allowed)?.as_str() {
+        "fill" => Ok(Holes::Fill),
+        "keep" => Ok(Holes::Keep),
+        other => Err(wrong_value("holes", format!("`{other}`"), allowed)),
+    }
+}
+
+/// What a preset is to do without.
+pub fn without(value: &Bound<'_, PyAny>) -> PyResult<Vec<Ingredient>> {
+    let allowed = "a sequence of names is needed: ('median',) for one";
+    let wrong = || wrong_type("without", shown(value), allowed);
+    if value.is_instance_of::<PyString>() {
+        return Err(wrong());
+    }
+    let names = value.try_iter().map_err(|_| wrong())?;
+    let ingredient = |name: PyResult<Bound<'_, PyAny>>| {
+        text("without", &name?, allowed)?.parse().map_err(of_matching)
+    };
+    names.map(ingredient).collect()
+}
+
+/// `(x0, y0, x1, y1)`, inclusive, or `None` for the whole image.
+pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<Option<BoundingBox>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    let needed = "four whole numbers (x0, y0, x1, y1) are needed, first column and row, last column and \
+                  row, all part of the box; the course's [[x0, x1], [y0, y1]] is for hazcam.course";
+    let wrong = || wrong_type("box", shown(value), needed);
+    let sides: Vec<i64> = value
+        .try_iter()
+        .map_err(|_| wrong())?
+        .map(|side| side.and_then(|side| side.extract()).map_err(|_| wrong()))
+        .collect::<PyResult<_>>()?;
+    let &[x0, y0, x1, y1] = &sides[..] else { return Err(wrong()) };
+    let side = |side| {
+        let allowed = "its sides must be 0 or more: they count columns and rows from the top left";
+        usize::try_from(side).map_err(|_| wrong_value("box", shown(value), allowed))
+    };
+    let bounds = BoundingBox::new(side(x0)?, side(y0)?, side(x1)?, side(y1)?);
+    bounds.map(Some).map_err(|error| ArgumentError::new_err(error.to_string()))
+}
+
+/// The path of a file: a `str` or an `os.PathLike`.
+pub fn path(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
+    let path = value.extract();
+    path.map_err(|_| wrong_type(name, shown(value), "a path is needed: a str or a pathlib.Path"))
+}

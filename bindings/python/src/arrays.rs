@@ -1,0 +1,76 @@
+//! The samples of numpy arrays, in the order of rows.
+
+use numpy::{
+    Element, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods, ndarray,
+};
+use pyo3::prelude::*;
+use raster::Plane;
+
+use crate::arguments::{shown, type_name};
+use crate::errors::{wrong_type, wrong_value};
+
+/// `value` as an array, whatever is in it. `needed` says what would be right.
+pub fn array<'a, 'py>(
+    name: &str,
+    value: &'a Bound<'py, PyAny>,
+    needed: &str,
+) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
+    let Ok(array) = value.cast::<PyUntypedArray>() else {
+        let remedy = format!("{needed}: numpy.asarray({name}) may be one");
+        return Err(wrong_type(name, shown(value), remedy));
+    };
+    // Its copies and views would forget what is masked.
+    if type_name(value) == "MaskedArray" {
+        let remedy = format!("{needed}: {name}.filled(...) says what stands where it is masked");
+        return Err(wrong_type(name, "a masked array", remedy));
+    }
+    Ok(array)
+}
+
+/// What an array is, in messages: "an array of float32 with shape (3, 4)".
+pub fn described(array: &Bound<'_, PyUntypedArray>) -> String {
+    let sides: Vec<String> = array.shape().iter().map(usize::to_string).collect();
+    let comma = if sides.len() == 1 { "," } else { "" };
+    format!("an array of {} with shape ({}{comma})", array.dtype(), sides.join(", "))
+}
+
+/// `(rows, columns)` of an array that must have these two dimensions.
+pub fn size(
+    name: &str,
+    array: &Bound<'_, PyUntypedArray>,
+    needed: &str,
+) -> PyResult<(usize, usize)> {
+    match array.shape() {
+        &[rows, columns] => Ok((rows, columns)),
+        _ => Err(wrong_value(name, described(array), needed)),
+    }
+}
+
+/// The letter for what kind of samples an array has: `f` floats, `i` and `u` integers, `b` truth values.
+pub fn kind(array: &Bound<'_, PyUntypedArray>) -> char {
+    char::from(array.dtype().kind())
+}
+
+/// Hands all samples on in the order of rows. They are copied before where they do not lie so: strided,
+/// in Fortran's order, or off their alignment.
+pub fn with_samples<T: Element, U>(
+    array: &Bound<'_, PyArrayDyn<T>>,
+    take: impl FnOnce(&[T]) -> U,
+) -> PyResult<U> {
+    if array.is_c_contiguous()
+        && let Ok(samples) = array.try_readonly()?.as_slice()
+    {
+        return Ok(take(samples));
+    }
+    let copy = array.call_method1("copy", ("C",))?.cast_into::<PyArrayDyn<T>>()?;
+    let copy = copy.try_readonly()?;
+    Ok(take(copy.as_slice()?))
+}
+
+/// A plane as an array of rows and columns, which keeps its memory.
+pub fn from_plane<'py, T: Element>(py: Python<'py>, plane: Plane<T>) -> Bound<'py, PyArray2<T>> {
+    let (columns, rows) = plane.size();
+    let array = ndarray::Array2::from_shape_vec((rows, columns), plane.into_samples());
+    PyArray2::from_owned_array(py, array.expect("a plane has columns x rows samples"))
+}

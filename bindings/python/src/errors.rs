@@ -1,0 +1,80 @@
+//! What goes wrong, as the exceptions of `hazcam.errors`.
+
+use std::fmt::Display;
+use std::io;
+
+use camera::CameraError;
+use formats::FormatError;
+use matching::MatchError;
+use pyo3::prelude::*;
+use score::ScoreError;
+
+pyo3::import_exception!(hazcam.errors, HazcamError);
+pyo3::import_exception!(hazcam.errors, ArgumentError);
+pyo3::import_exception!(hazcam.errors, ArgumentTypeError);
+pyo3::import_exception!(hazcam.errors, FrameMemoryError);
+pyo3::import_exception!(hazcam.errors, FileAccessError);
+pyo3::import_exception!(hazcam.errors, MissingFileError);
+pyo3::import_exception!(hazcam.errors, FileContentError);
+
+/// An argument that is of the right kind but has a value that is not allowed.
+pub fn wrong_value(name: &str, value: impl Display, allowed: impl Display) -> PyErr {
+    ArgumentError::new_err(format!("`{name}` is {value}, but {allowed}"))
+}
+
+/// An argument that is of the wrong kind.
+pub fn wrong_type(name: &str, value: impl Display, allowed: impl Display) -> PyErr {
+    ArgumentTypeError::new_err(format!("`{name}` is {value}, but {allowed}"))
+}
+
+/// What an option of the command line is called in Python.
+fn name_in_python(option: &str) -> String {
+    match option {
+        "matcher" => "preset".into(),
+        other => other.replace('-', "_"),
+    }
+}
+
+/// A matcher that cannot be built, or cannot answer.
+pub fn of_matching(error: MatchError) -> PyErr {
+    match error {
+        MatchError::Option { field, value, allowed } => {
+            wrong_value(&name_in_python(field), value, allowed)
+        }
+        MatchError::Memory { .. } | MatchError::MachineMemory { .. } => {
+            FrameMemoryError::new_err(error.to_string())
+        }
+        other => ArgumentError::new_err(other.to_string()),
+    }
+}
+
+/// A map that cannot be scored.
+pub fn of_scoring(error: ScoreError) -> PyErr {
+    match error {
+        ScoreError::Parameter { field, value, allowed } => {
+            wrong_value(&name_in_python(field), value, allowed)
+        }
+        other => ArgumentError::new_err(other.to_string()),
+    }
+}
+
+/// A camera that is none.
+pub fn of_camera(error: CameraError) -> PyErr {
+    ArgumentError::new_err(error.to_string())
+}
+
+/// A file that cannot be read or written.
+pub fn of_file(error: FormatError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        FormatError::Read { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+            MissingFileError::new_err(message)
+        }
+        FormatError::Read { .. } | FormatError::Write { .. } => FileAccessError::new_err(message),
+        FormatError::Malformed { .. }
+        | FormatError::TooLarge { .. }
+        | FormatError::WrongKind { .. } => FileContentError::new_err(message),
+        // What was asked for cannot be done, whatever the files.
+        _ => ArgumentError::new_err(message),
+    }
+}

@@ -1,0 +1,61 @@
+//! Files in, files out.
+
+use camera::StereoCamera;
+use formats::Encoding;
+use numpy::PyArray2;
+use pyo3::prelude::*;
+
+use crate::arguments::{path, text};
+use crate::arrays::from_plane;
+use crate::detached::detached;
+use crate::errors::of_file;
+use crate::images::from_image;
+use crate::planes::map;
+
+/// A picture as an array.
+#[pyfunction]
+pub fn read_image<'py>(py: Python<'py>, path: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let path = self::path("path", path)?;
+    let image = detached(py, || formats::read_image(path))?.map_err(of_file)?;
+    Ok(from_image(py, image))
+}
+
+/// A map of disparities, and what had to be assumed.
+#[pyfunction]
+pub fn read_disparity<'py>(
+    py: Python<'py>,
+    path: &Bound<'py, PyAny>,
+    encoding: &Bound<'py, PyAny>,
+) -> PyResult<(Bound<'py, PyArray2<f32>>, Option<String>)> {
+    let path = self::path("path", path)?;
+    let allowed = "give 'auto', 'png8/4', 'png16/256', 'pfm', 'npy' or 'tiff'";
+    let encoding: Encoding = text("encoding", encoding, allowed)?.parse().map_err(of_file)?;
+    let read = detached(py, || formats::read_disparity(path, encoding))?.map_err(of_file)?;
+    Ok((from_plane(py, read.values), read.note))
+}
+
+/// Writes a map of disparities, its format by extension, whole or not at all.
+#[pyfunction]
+pub fn write_disparity(
+    py: Python<'_>,
+    path: &Bound<'_, PyAny>,
+    disparity: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    let (path, values) = (self::path("path", path)?, map("disparity", disparity)?);
+    detached(py, || formats::write_disparity(path, &values))?.map_err(of_file)
+}
+
+/// `(focal_px, baseline_m, doffs, cx, cy)` of the pair that a left image belongs to.
+#[pyfunction]
+pub fn read_calibration(
+    py: Python<'_>,
+    path: &Bound<'_, PyAny>,
+    left: &Bound<'_, PyAny>,
+) -> PyResult<(f64, f64, f64, f64, f64)> {
+    let path = self::path("path", path)?;
+    let left = (!left.is_none()).then(|| self::path("left", left)).transpose()?;
+    let read = detached(py, || formats::read_calibration(path))?.map_err(of_file)?;
+    let camera = left.map_or(read.camera, |left| read.camera_of(left));
+    let StereoCamera { focal_px, baseline_m, doffs, cx, cy } = camera;
+    Ok((focal_px, baseline_m, doffs, cx, cy))
+}

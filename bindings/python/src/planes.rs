@@ -1,0 +1,55 @@
+//! Maps of disparities and masks from numpy arrays.
+
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use raster::Plane;
+
+use crate::arrays::{array, described, kind, size, with_samples};
+use crate::errors::{wrong_type, wrong_value};
+
+const MAP: &str = "a map of disparities is a numpy array of numbers with shape (rows, columns), in pixels, \
+                   NaN where there is none";
+const MASK: &str =
+    "a mask is a numpy array of bool with shape (rows, columns), True where to score";
+
+/// A map of disparities from Python: floats and integers of any size.
+pub fn map(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<f32>> {
+    let array = array(name, value, MAP)?;
+    if !matches!(kind(array), 'f' | 'i' | 'u') {
+        return Err(wrong_type(name, described(array), MAP));
+    }
+    let (rows, columns) = size(name, array, MAP)?;
+    let samples = match array.cast::<PyArrayDyn<f32>>() {
+        Ok(samples) => with_samples(samples, <[f32]>::to_vec)?,
+        Err(_) => {
+            let wide = array.call_method1("astype", ("float64",))?;
+            with_samples(wide.cast::<PyArrayDyn<f64>>()?, |samples| {
+                narrow(name, columns, samples)
+            })??
+        }
+    };
+    Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
+}
+
+/// The same in 32 bits.
+fn narrow(name: &str, columns: usize, samples: &[f64]) -> PyResult<Vec<f32>> {
+    let too_large = |value: &f64| value.is_finite() && value.abs() > f64::from(f32::MAX);
+    if let Some(at) = samples.iter().position(too_large) {
+        let (x, y, value) = (at % columns, at / columns, samples[at]);
+        let what = format!("{value:?} at column {x}, row {y}");
+        return Err(wrong_value(name, what, "disparities must fit float32"));
+    }
+    Ok(samples.iter().map(|&value| value as f32).collect())
+}
+
+/// A mask from Python.
+pub fn mask(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<bool>> {
+    let array = array(name, value, MASK)?;
+    let Ok(samples) = array.cast::<PyArrayDyn<bool>>() else {
+        let remedy = format!("{MASK}: {name} == 255 makes one of a picture");
+        return Err(wrong_type(name, described(array), remedy));
+    };
+    let (rows, columns) = size(name, array, MASK)?;
+    let samples = with_samples(samples, <[bool]>::to_vec)?;
+    Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
+}

@@ -1,0 +1,71 @@
+//! `hazcam.StereoCamera`: depth and points of all pixels.
+
+use camera::StereoCamera;
+use numpy::{PyArray2, PyArray3, ndarray};
+use pyo3::prelude::*;
+use raster::Plane;
+
+use crate::arguments::real;
+use crate::arrays::from_plane;
+use crate::detached::detached;
+use crate::errors::of_camera;
+use crate::planes::map;
+
+/// A camera from Python: its fields in the order of [`StereoCamera::new`].
+pub struct Camera(StereoCamera);
+
+impl<'py> FromPyObject<'_, 'py> for Camera {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let number = |field: &str| real(field, &value.getattr(field)?);
+        let (focal_px, baseline_m) = (number("focal_px")?, number("baseline_m")?);
+        let (doffs, cx, cy) = (number("doffs")?, number("cx")?, number("cy")?);
+        StereoCamera::new(focal_px, baseline_m, doffs, cx, cy).map(Self).map_err(of_camera)
+    }
+}
+
+/// Raises where the fields make no camera.
+#[pyfunction]
+pub fn check_camera(camera: Camera) {
+    let Camera(_) = camera;
+}
+
+/// Depth in metres of each disparity.
+#[pyfunction]
+pub fn depth<'py>(
+    py: Python<'py>,
+    camera: Camera,
+    disparity: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let (Camera(camera), disparities) = (camera, map("disparity", disparity)?);
+    let depths = detached(py, || camera.depth_map(&disparities))?;
+    Ok(from_plane(py, depths))
+}
+
+/// The point that each pixel shows: X, Y, Z in metres.
+#[pyfunction]
+pub fn points<'py>(
+    py: Python<'py>,
+    camera: Camera,
+    disparity: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (Camera(camera), disparities) = (camera, map("disparity", disparity)?);
+    let points = detached(py, || of_pixels(&camera, &disparities))?;
+    Ok(PyArray3::from_owned_array(py, points))
+}
+
+/// NaN three times where a pixel has no depth ([`StereoCamera::depth_map`]).
+fn of_pixels(camera: &StereoCamera, disparities: &Plane<f32>) -> ndarray::Array3<f32> {
+    let depths = camera.depth_map(disparities);
+    let (columns, rows) = depths.size();
+    let mut points = Vec::with_capacity(3 * columns * rows);
+    for y in 0..rows {
+        for (x, (&d, z)) in disparities.row(y).iter().zip(depths.row(y)).enumerate() {
+            let point = camera.point(x as f64, y as f64, f64::from(d));
+            let point = point.filter(|_| !z.is_nan()).map(|point| point.map(|c| c as f32));
+            points.extend(point.unwrap_or([f32::NAN; 3]));
+        }
+    }
+    ndarray::Array3::from_shape_vec((rows, columns, 3), points).expect("three for each pixel")
+}
