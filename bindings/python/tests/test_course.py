@@ -1,0 +1,46 @@
+"""The course's functions, called as the course calls them."""
+
+import numpy as np
+import pytest
+from pairs import dots
+
+import hazcam
+from hazcam.course import stereo_disparity_best, stereo_disparity_fast
+
+BBOX = np.array([[30, 90], [10, 40]])
+
+
+@pytest.mark.parametrize(
+    "function, preset", [(stereo_disparity_fast, "fast"), (stereo_disparity_best, "best")]
+)
+def test_the_box_is_answered_and_nothing_else(function, preset):
+    left, right = dots()
+    found = function(left.astype(np.float32), right.astype(np.float32), BBOX, 32)
+    assert (found.shape, found.dtype) == (left.shape, np.float32)
+    expected = hazcam.match(left, right, 32, box=(30, 10, 90, 40), preset=preset)
+    inside = np.isfinite(expected.values)
+    assert inside.sum() == 61 * 31
+    assert np.array_equal(found[inside], expected.values[inside])
+    assert np.all(found[~inside] == 0)
+    assert np.median(found[inside]) == pytest.approx(7, abs=0.25)
+
+
+def test_fractions_are_rounded_as_where_grey_is_made_of_colours():
+    rng = np.random.default_rng(6)
+    colour = rng.integers(0, 256, (40, 100, 3), np.uint8)
+    # Luma with its fractions, some of them exactly a half.
+    colour[:, ::7] = [[0, 0, 250]]
+    luma = (colour @ np.array([299, 587, 114])) / 1000
+    assert np.any(luma % 1 == 0.5)
+    grey = luma.astype(np.float32)
+    left, right = (np.ascontiguousarray(image) for image in (grey[:, :90], grey[:, 5:95]))
+    found = stereo_disparity_fast(left, right, [[0, 89], [0, 39]], 16)
+    expected = hazcam.match(colour[:, :90], colour[:, 5:95], 16, preset="fast")
+    assert np.array_equal(found, expected.values)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.uint8, np.int32])
+def test_other_numbers_are_taken_too(dtype):
+    left, right = (image.astype(dtype) for image in dots())
+    found = stereo_disparity_fast(left, right, BBOX.tolist(), np.int64(32))
+    assert np.median(found[10:41, 30:91]) == pytest.approx(7, abs=0.25)

@@ -1,0 +1,396 @@
+"""What is wrong is named, with what was given, what is allowed, and the remedy."""
+
+import numpy as np
+import pytest
+
+import hazcam
+from hazcam import Matcher, StereoCamera, course, match, score
+
+GREY = np.zeros((6, 9), np.uint8)
+MAP = np.ones((6, 9))
+
+
+def image(*shape, dtype=np.uint8):
+    return np.zeros(shape, dtype)
+
+
+def fast(left=GREY, right=GREY, box=None):
+    return match(left, right, 4, preset="fast", box=box)
+
+
+def for_course(Il=GREY, Ir=GREY, bbox=((0, 1), (0, 1)), maxd=4):
+    return course.stereo_disparity_fast(Il, Ir, bbox, maxd)
+
+
+INGREDIENTS = (
+    "vertical-alignment, noise-smoothing, gradient, adaptive-p2, sub-pixel, uniqueness, "
+    "left-right-check, speckle-filter, interpolation, plane-fill, learned-choice, further-choices, "
+    "least-squares, median, path-margin, descriptors, surface-prior, last-surface-run, right-choices"
+)
+RANGE = "it must be from -16383 to 16383 pixels"
+SEQUENCE = "a sequence of names is needed: ('median',) for one"
+IMAGE = "an image is a numpy array of uint8 or uint16"
+SHAPE = "an image has shape (rows, columns) for grey, or (rows, columns, 3) for red, green and blue"
+BOX = (
+    "four whole numbers (x0, y0, x1, y1) are needed, first column and row, last column and row, "
+    "all part of the box; the course's [[x0, x1], [y0, y1]] is for hazcam.course"
+)
+IN_DISPARITIES = (
+    "a map of disparities is a numpy array of numbers with shape (rows, columns), in pixels, NaN "
+    "where there is none"
+)
+MASK = "a mask is a numpy array of bool with shape (rows, columns), True where to score"
+COURSE_IMAGE = "a numpy array of grey values from 0 to 255 with shape (rows, columns) is needed"
+COURSE_BOX = (
+    "2 x 2 whole numbers [[x0, x1], [y0, y1]] are needed: first and last column, first and last "
+    "row, all part of the box"
+)
+
+VALUES = [
+    # Options.
+    (lambda: Matcher("bst"), "`preset` is `bst`, but it must be one of fast, balanced, best"),
+    (lambda: Matcher("fast", 20000), f"`max_disparity` is 20000, but {RANGE}"),
+    (lambda: Matcher("fast", 2**40), f"`max_disparity` is 1099511627776, but {RANGE}"),
+    (lambda: Matcher("fast", 10**20), f"`max_disparity` is 1{20 * '0'} (int), but {RANGE}"),
+    (
+        lambda: Matcher("fast", 4, min_disparity=-20000),
+        f"`min_disparity` is -20000, but {RANGE}",
+    ),
+    (
+        lambda: Matcher("fast", 4, min_disparity=5),
+        "`max_disparity` is 4, but it must not be below `min_disparity`, 5",
+    ),
+    (lambda: Matcher(threads=0), "`threads` is 0, but it must be from 1 to 1024"),
+    (lambda: Matcher(threads=-1), "`threads` is -1, but it must be from 1 to 1024"),
+    (lambda: Matcher(threads=1025), "`threads` is 1025, but it must be from 1 to 1024"),
+    (
+        lambda: Matcher(memory=-1),
+        "`memory` is -1, but it must be a number of bytes, such as 400_000_000",
+    ),
+    (lambda: Matcher(holes="open"), "`holes` is `open`, but it must be 'fill' or 'keep'"),
+    (
+        lambda: Matcher(without=["medium"]),
+        f"`without` is `medium`, but it must be one of {INGREDIENTS}",
+    ),
+    (
+        lambda: Matcher("fast", without=["median"]),
+        "`without` is `median`, but nothing can be left out of `fast`",
+    ),
+    # Images.
+    (
+        lambda: fast(left=GREY[0]),
+        f"`left` is an array of uint8 with shape (9,), but {SHAPE}",
+    ),
+    (
+        lambda: fast(right=image(6, 9, 1)),
+        f"`right` is an array of uint8 with shape (6, 9, 1), but {SHAPE}: right[..., 0] is the grey "
+        "image",
+    ),
+    (
+        lambda: fast(left=image(6, 9, 2)),
+        f"`left` is an array of uint8 with shape (6, 9, 2), but {SHAPE}: without its alpha it is "
+        "left[..., 0]",
+    ),
+    (
+        lambda: fast(left=image(6, 9, 4)),
+        f"`left` is an array of uint8 with shape (6, 9, 4), but {SHAPE}: without its alpha it is "
+        "left[..., :3]",
+    ),
+    (
+        lambda: fast(left=image(3, 6, 9)),
+        f"`left` is an array of uint8 with shape (3, 6, 9), but {SHAPE}: numpy.moveaxis(left, 0, -1) "
+        "puts the colours last",
+    ),
+    (
+        lambda: fast(left=image(1, 6, 9)),
+        f"`left` is an array of uint8 with shape (1, 6, 9), but {SHAPE}: left[0] is the grey image",
+    ),
+    (
+        lambda: fast(left=image(2, 6, 9, 3)),
+        f"`left` is an array of uint8 with shape (2, 6, 9, 3), but {SHAPE}: give the images of a "
+        "batch one after another",
+    ),
+    (
+        lambda: fast(left=image(6, 9, 5)),
+        f"`left` is an array of uint8 with shape (6, 9, 5), but {SHAPE}",
+    ),
+    (
+        lambda: fast(right=GREY[1:]),
+        "the left image is 9 x 6 but the right one is 9 x 5: a rectified pair has one size; crop or "
+        "rectify first",
+    ),
+    (
+        lambda: fast(GREY[:0], GREY[:0]),
+        "the images have no pixels: at least 1 x 1 is needed",
+    ),
+    (
+        lambda: fast(right=GREY.astype(np.uint16)),
+        "`right` is of 16 bits a sample, but `left` is of 8: a pair is of one kind",
+    ),
+    # Boxes.
+    (
+        lambda: fast(box=(-1, 0, 3, 3)),
+        "`box` is (-1, 0, 3, 3) (tuple), but its sides must be 0 or more: they count columns and rows "
+        "from the top left",
+    ),
+    (
+        lambda: fast(box=(3, 0, 2, 3)),
+        "the box 3,0,2,3 ends before it begins: give x0,y0,x1,y1 with x0 <= x1 and y0 <= y1",
+    ),
+    (
+        lambda: fast(box=(0, 0, 9, 5)),
+        "the box 0,0,9,5 leaves the image of 9 x 6: its last column may be at most 8 and its last row "
+        "at most 5 (the box is inclusive)",
+    ),
+    # Scores.
+    (
+        lambda: score(MAP, MAP[1:]),
+        "the truth is 9 x 5 but the estimate is 9 x 6: both must have the size of the left image; was "
+        "one of them made at another resolution?",
+    ),
+    (
+        lambda: score(MAP, MAP * np.nan),
+        "the truth has no known disparity in the whole image: nothing can be scored; check the "
+        "truth's file and encoding, the box and the mask",
+    ),
+    (
+        lambda: score(MAP[0], MAP),
+        f"`disparity` is an array of float64 with shape (9,), but {IN_DISPARITIES}",
+    ),
+    (
+        lambda: score(MAP, MAP * 1e300),
+        "`truth` is 1e300 at column 0, row 0, but disparities must fit float32",
+    ),
+    (
+        lambda: score(MAP, MAP, max_disparity=-1),
+        "`max_disparity` is -1, but it must be a finite number of pixels, 0 or more",
+    ),
+    (
+        lambda: score(MAP, MAP, mask=GREY[0] > 0),
+        f"`mask` is an array of bool with shape (9,), but {MASK}",
+    ),
+    # Cameras.
+    (
+        lambda: StereoCamera(0, 1),
+        "the camera's focal length in pixels is 0, but it must be finite and positive",
+    ),
+    # The course.
+    (
+        lambda: for_course(Il=image(6, 9, 1)),
+        f"`Il` has shape (6, 9, 1), but {COURSE_IMAGE}",
+    ),
+    (
+        lambda: for_course(Ir=GREY + 256.0),
+        f"`Ir` is 256.0 at column 0, row 0, but {COURSE_IMAGE}",
+    ),
+    (
+        lambda: for_course(Il=np.where(np.arange(9) == 4, np.nan, GREY)),
+        f"`Il` is nan at column 4, row 0, but {COURSE_IMAGE}",
+    ),
+    (
+        lambda: for_course(bbox=(0, 0, 1, 1)),
+        f"`bbox` is (0, 0, 1, 1), but {COURSE_BOX}",
+    ),
+    (
+        lambda: for_course(bbox=[[0, 1.5], [0, 1]]),
+        f"`bbox` is [[0, 1.5], [0, 1]], but {COURSE_BOX}",
+    ),
+    (
+        lambda: for_course(bbox=[[0, 1], [0]]),
+        f"`bbox` is [[0, 1], [0]], but {COURSE_BOX}",
+    ),
+    (
+        lambda: for_course(maxd=-1),
+        "`maxd` is -1, but a whole number of pixels, 0 or more, is needed",
+    ),
+]
+
+TYPES = [
+    # Options.
+    (lambda: Matcher(3), "`preset` is 3 (int), but it must be one of fast, balanced, best"),
+    (
+        lambda: Matcher("fast", 64.0),
+        f"`max_disparity` is 64.0 (float), but a whole number is needed: {RANGE}; int(max_disparity) "
+        "is one",
+    ),
+    (
+        lambda: Matcher("fast", "64"),
+        f"`max_disparity` is '64' (str), but a whole number is needed: {RANGE}",
+    ),
+    (
+        lambda: Matcher(memory="1GB"),
+        "`memory` is '1GB' (str), but a whole number is needed: it must be a number of bytes, such as "
+        "400_000_000",
+    ),
+    (
+        lambda: Matcher(holes=None),
+        "`holes` is None (NoneType), but it must be 'fill' or 'keep'",
+    ),
+    (lambda: Matcher(without="median"), f"`without` is 'median' (str), but {SEQUENCE}"),
+    (lambda: Matcher(without=[3]), f"`without` is 3 (int), but {SEQUENCE}"),
+    (lambda: Matcher(without=3), f"`without` is 3 (int), but {SEQUENCE}"),
+    # Images.
+    (
+        lambda: fast(left=[[1, 2]]),
+        f"`left` is [[1, 2]] (list), but {IMAGE}: numpy.asarray(left) may be one",
+    ),
+    (
+        lambda: fast(right=GREY.astype(np.float32)),
+        f"`right` is an array of float32 with shape (6, 9), but {IMAGE}: "
+        "numpy.rint(right).astype(numpy.uint8) makes one where white is 255, "
+        "numpy.rint(255 * right).astype(numpy.uint8) where white is 1",
+    ),
+    (
+        lambda: fast(left=GREY > 0),
+        f"`left` is an array of bool with shape (6, 9), but {IMAGE}: "
+        "255 * left.astype(numpy.uint8) makes one where True is white",
+    ),
+    (
+        lambda: fast(left=GREY.astype(np.int32)),
+        f"`left` is an array of int32 with shape (6, 9), but {IMAGE}: left.astype(numpy.uint8) makes "
+        "one where white is 255, left.astype(numpy.uint16) where white is 65535",
+    ),
+    (
+        lambda: fast(left=GREY.astype(np.dtype(np.uint16).newbyteorder())),
+        "with shape (6, 9), but an image is a numpy array of uint8 or uint16: "
+        "left.astype(numpy.uint16) has the machine's own order of bytes",
+    ),
+    (
+        lambda: fast(left=GREY.astype(complex)),
+        f"`left` is an array of complex128 with shape (6, 9), but {IMAGE}",
+    ),
+    (
+        lambda: fast(left=np.ma.masked_equal(GREY, 0)),
+        f"`left` is a masked array, but {IMAGE}: left.filled(...) says what stands where it is masked",
+    ),
+    # Boxes.
+    (
+        lambda: fast(box=[[0, 1], [0, 1]]),
+        f"`box` is [[0, 1], [0, 1]] (list), but {BOX}",
+    ),
+    (lambda: fast(box=(1, 2, 3)), f"`box` is (1, 2, 3) (tuple), but {BOX}"),
+    (lambda: fast(box=(0, 0, 1.5, 2)), f"`box` is (0, 0, 1.5, 2) (tuple), but {BOX}"),
+    (lambda: fast(box=3), f"`box` is 3 (int), but {BOX}"),
+    # Scores.
+    (
+        lambda: score([[1.0]], MAP),
+        f"`disparity` is [[1.0]] (list), but {IN_DISPARITIES}: numpy.asarray(disparity) may be one",
+    ),
+    (
+        lambda: score(MAP, MAP > 0),
+        f"`truth` is an array of bool with shape (6, 9), but {IN_DISPARITIES}",
+    ),
+    (
+        lambda: score(np.ma.masked_equal(MAP, 0), MAP),
+        f"`disparity` is a masked array, but {IN_DISPARITIES}: disparity.filled(...) says what stands "
+        "where it is masked",
+    ),
+    (
+        lambda: score(MAP, MAP, mask=GREY),
+        f"`mask` is an array of uint8 with shape (6, 9), but {MASK}: mask == 255 makes one of a "
+        "picture",
+    ),
+    (
+        lambda: score(MAP, MAP, max_disparity="a"),
+        "`max_disparity` is 'a' (str), but a number is needed",
+    ),
+    # Cameras and files.
+    (lambda: StereoCamera("a", 1), "`focal_px` is 'a' (str), but a number is needed"),
+    (
+        lambda: hazcam.read_image(3),
+        "`path` is 3 (int), but a path is needed: a str or a pathlib.Path",
+    ),
+    (
+        lambda: hazcam.read_disparity("d.png", 4),
+        "`encoding` is 4 (int), but give 'auto', 'png8/4', 'png16/256', 'pfm', 'npy' or 'tiff'",
+    ),
+    # The course.
+    (lambda: for_course(Il=GREY.tolist()), f"`Il` is list, but {COURSE_IMAGE}"),
+    (lambda: for_course(Ir=GREY > 0), f"`Ir` is of bool, but {COURSE_IMAGE}"),
+    (
+        lambda: for_course(maxd=4.0),
+        "`maxd` is 4.0, but a whole number of pixels, 0 or more, is needed",
+    ),
+]
+
+
+@pytest.mark.parametrize("call, message", VALUES, ids=[message for _, message in VALUES])
+def test_wrong_values_are_named(call, message):
+    with pytest.raises(hazcam.ArgumentError) as error:
+        call()
+    assert isinstance(error.value, ValueError) and isinstance(error.value, hazcam.HazcamError)
+    assert str(error.value) == message
+
+
+@pytest.mark.parametrize("call, message", TYPES, ids=[message for _, message in TYPES])
+def test_wrong_types_are_named(call, message):
+    with pytest.raises(hazcam.ArgumentTypeError) as error:
+        call()
+    assert isinstance(error.value, TypeError) and isinstance(error.value, hazcam.HazcamError)
+    # The other order of bytes is called differently on each machine.
+    assert str(error.value).endswith(message)
+
+
+def test_what_is_shown_of_a_value_is_short():
+    with pytest.raises(hazcam.ArgumentTypeError) as error:
+        fast(left=np.arange(10_000).tolist())
+    assert str(error.value).startswith("`left` is [0, 1, 2,") and len(str(error.value)) < 200
+
+
+def test_what_a_remedy_says_helps():
+    right = np.full((6, 9), 99.6)
+    assert fast(right=np.rint(right).astype(np.uint8)).values.shape == (6, 9)
+    assert fast(right=np.moveaxis(image(3, 6, 9), 0, -1)).values.shape == (6, 9)
+    assert fast(right=image(6, 9, 4)[..., :3]).values.shape == (6, 9)
+
+
+def test_memory_that_does_not_do_is_told():
+    large = image(2000, 3000)
+    matcher = Matcher("balanced", 255, memory=1_000_000)
+    with pytest.raises(hazcam.FrameMemoryError) as error:
+        matcher.compute(large, large)
+    assert isinstance(error.value, MemoryError)
+    assert str(error.value).startswith(
+        "option `memory` is 1 MB, but 3000 x 2000 pixels and 256 disparities need at least "
+    )
+    # It is fit for what does fit.
+    assert Matcher("fast", 4, memory=1_000_000).compute(GREY, GREY).values.shape == (6, 9)
+
+
+def test_a_matcher_answers_after_an_error():
+    matcher = Matcher("fast", 4)
+    with pytest.raises(hazcam.ArgumentError):
+        matcher.compute(GREY, GREY[1:])
+    assert matcher.compute(GREY, GREY).values.shape == (6, 9)
+
+
+def test_files_that_cannot_be_used_are_told(tmp_path):
+    missing = tmp_path / "none.png"
+    with pytest.raises(hazcam.MissingFileError) as error:
+        hazcam.read_image(missing)
+    assert isinstance(error.value, FileNotFoundError)
+    assert isinstance(error.value, hazcam.FileAccessError)
+    assert str(error.value).startswith(f"cannot read {missing}: ")
+
+    with pytest.raises(hazcam.FileAccessError, match="does not exist; create it first"):
+        hazcam.write_disparity(tmp_path / "no" / "d.pfm", MAP)
+
+    damaged = tmp_path / "damaged.png"
+    damaged.write_bytes(b"\x89PNG\r\n\x1a\n1234")
+    with pytest.raises(hazcam.FileContentError, match="is damaged .*: was it copied whole"):
+        hazcam.read_image(damaged)
+    text = tmp_path / "calib.txt"
+    text.write_text("this is no calibration")
+    with pytest.raises(hazcam.FileContentError, match="is a text without a camera, but"):
+        hazcam.read_calibration(text)
+    hazcam.write_disparity(tmp_path / "d.npy", MAP)
+    with pytest.raises(hazcam.FileContentError, match="the encoding png16/256 was asked for"):
+        hazcam.read_disparity(tmp_path / "d.npy", "png16/256")
+
+    with pytest.raises(hazcam.ArgumentError, match="`png9` is not an encoding of disparities"):
+        hazcam.read_disparity(tmp_path / "d.npy", "png9")
+    with pytest.raises(hazcam.ArgumentError, match=r"its extension `\.exr`: use one of \.pfm"):
+        hazcam.write_disparity(tmp_path / "d.exr", MAP)
+    with pytest.raises(hazcam.ArgumentError, match="column 0, row 0 is -1, but KITTI's 16-bit PNG"):
+        hazcam.write_disparity(tmp_path / "d.png", -MAP)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["calib.txt", "d.npy", "damaged.png"]

@@ -1,0 +1,91 @@
+"""Python threads, and processes."""
+
+import copy
+import os
+import pickle
+import signal
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from pairs import dots
+
+import hazcam
+
+
+def test_threads_share_a_matcher():
+    matcher = hazcam.Matcher("balanced", 16, threads=2)
+    pairs = [dots(rows=40 + 3 * i, columns=80 + i, shift=i, seed=i) for i in range(8)]
+    expected = [matcher.compute(*pair) for pair in pairs]
+    with ThreadPoolExecutor(4) as pool:
+        for _ in range(3):
+            for found, answer in zip(pool.map(lambda pair: matcher.compute(*pair), pairs), expected):
+                assert found.values.tobytes() == answer.values.tobytes()
+                assert found.reasons.tobytes() == answer.reasons.tobytes()
+
+
+def test_python_goes_on_while_a_pair_is_matched():
+    matcher = hazcam.Matcher("best", 128, threads=1)
+    left, right = dots(rows=300, columns=700)
+    times = []
+    done = threading.Event()
+
+    def watch():
+        while not done.is_set():
+            times.append(time.monotonic())
+            time.sleep(0.002)
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    begin = time.monotonic()
+    matcher.compute(left, right)
+    end = time.monotonic()
+    done.set()
+    watcher.join()
+    # With the lock held, the watcher would not have had a turn after the beginning.
+    middle = [t for t in times if begin + 0.25 * (end - begin) < t < begin + 0.75 * (end - begin)]
+    assert len(middle) >= 5, (len(times), end - begin)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_matcher_says_that_it_did_not_come_along_into_a_forked_process():
+    matcher = hazcam.Matcher("fast", 16)
+    pair = dots()
+    matcher.compute(*pair)
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        message = "answered"
+        try:
+            matcher.compute(*pair)
+        except hazcam.HazcamError as error:
+            message = str(error)
+            # One of its own works.
+            own = hazcam.Matcher("fast", 16).compute(*pair)
+            message += f"; {own.values.shape}"
+        finally:
+            os.write(writer, message.encode())
+            os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as answer:
+        told = answer.read()
+    os.waitpid(child, 0)
+    assert told.startswith("this Matcher was made before the process was forked"), told
+    assert told.endswith("make one in each process; (60, 120)"), told
+
+
+def test_answers_travel_between_processes():
+    found = hazcam.match(*dots(), 16)
+    truth = np.full((60, 120), 7.0)
+    for value in (found, hazcam.score(found, truth), hazcam.StereoCamera(500, 0.1)):
+        again = pickle.loads(pickle.dumps(value))
+        assert type(again) is type(value)
+    again = pickle.loads(pickle.dumps(found))
+    assert np.array_equal(again.values, found.values)
+    assert np.array_equal(copy.deepcopy(found).reasons, found.reasons)
+    with pytest.raises(TypeError, match="Matcher"):
+        pickle.dumps(hazcam.Matcher())

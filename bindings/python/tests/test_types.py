@@ -1,0 +1,40 @@
+"""The stub of the part in Rust says what is there, and the package passes a type checker."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import hazcam
+
+pytest.importorskip("mypy", reason="mypy is not installed: types are not checked")
+
+
+def run(*arguments):
+    ran = subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+
+
+def test_the_stub_is_what_is_there():
+    run("mypy.stubtest", "hazcam._hazcam")
+
+
+def test_types_are_right():
+    run("mypy", "--strict", str(Path(hazcam.__file__).parent))
+
+
+def test_users_are_told_of_wrong_types(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import hazcam\n"
+        "matcher = hazcam.Matcher('balanced', 64)\n"
+        "left, right = hazcam.read_image('l.png'), hazcam.read_image('r.png')\n"
+        "rows, columns = matcher.compute(left, right, box=(0, 0, 5, 5)).values.shape\n"
+        "hazcam.Matcher('blanced')\n"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", str(program)], capture_output=True, text=True
+    )
+    errors = [line for line in ran.stdout.splitlines() if ": error:" in line]
+    assert len(errors) == 1 and ":5: error:" in errors[0], ran.stdout + ran.stderr
