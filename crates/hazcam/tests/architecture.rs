@@ -40,22 +40,29 @@ fn drawn() -> Uses {
     uses
 }
 
-/// A package's folder below `crates`, which is its short name.
+/// The folder that a package lies in, which is its short name.
 fn short(manifest: &str) -> String {
     let folder = Path::new(manifest).parent().unwrap();
     folder.file_name().unwrap().to_string_lossy().into_owned()
 }
 
-/// What the workspace's packages depend on among themselves, optional and for tests included.
-fn found() -> Uses {
+/// The packages of the workspace that a manifest belongs to.
+fn packages(manifest: &str) -> Vec<Value> {
     let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])
-        .current_dir(root())
+        .args(["metadata", "--no-deps", "--offline", "--format-version", "1", "--manifest-path"])
+        .arg(root().join(manifest))
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let packages = metadata["packages"].as_array().unwrap();
+    metadata["packages"].as_array().unwrap().clone()
+}
+
+/// What the project's packages depend on among themselves, optional and for tests included. The Python
+/// package is a workspace of its own.
+fn found() -> Uses {
+    let packages = ["Cargo.toml", "bindings/python/Cargo.toml"].map(packages).into_iter().flatten();
+    let packages: Vec<Value> = packages.collect();
     let folders: BTreeMap<&str, String> = packages
         .iter()
         .map(|p| (p["name"].as_str().unwrap(), short(p["manifest_path"].as_str().unwrap())))
