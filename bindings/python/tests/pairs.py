@@ -4,7 +4,7 @@ import numpy as np
 
 
 def dots(rows=60, columns=120, shift=7, seed=1):
-    """Random dots, which the right camera sees ``shift`` pixels further left; to the right if negative."""
+    """Random dots, which the right camera sees ``shift`` pixels further left."""
     width = columns + abs(shift)
     wide = np.random.default_rng(seed).integers(0, 256, (rows, width), np.uint8)
     near, far = wide[:, :columns], wide[:, abs(shift) :]

@@ -20,7 +20,7 @@ def command():
 
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory):
-    """Coloured cards before a wall, as files: edges, occlusions, and what the right camera does not see."""
+    """Coloured cards before a wall, as files."""
     program = command()
     if program is None:
         pytest.skip("no `hazcam` command: cargo build --release, or name one in HAZCAM_COMMAND")
@@ -63,9 +63,7 @@ def test_the_command_finds_the_same(pair, tmp_path, preset, box, holes, minimum)
         options += ["--box", ",".join(map(str, box))]
     subprocess.run([program, "-q", "match", left, right, "-o", out, *options], check=True)
     images = hazcam.read_image(left), hazcam.read_image(right)
-    found = hazcam.match(
-        *images, 40, min_disparity=minimum, preset=preset, box=box, holes=holes
-    )
+    found = hazcam.match(*images, 40, min_disparity=minimum, preset=preset, box=box, holes=holes)
     assert np.isnan(found.values).any() == (box is not None or holes == "keep")
     assert np.load(out).tobytes() == found.values.tobytes()
     assert np.load(sure).tobytes() == found.confidence.tobytes()

@@ -25,7 +25,8 @@ def for_course(Il=GREY, Ir=GREY, bbox=((0, 1), (0, 1)), maxd=4):
 INGREDIENTS = (
     "vertical-alignment, noise-smoothing, gradient, adaptive-p2, sub-pixel, uniqueness, "
     "left-right-check, speckle-filter, interpolation, plane-fill, learned-choice, further-choices, "
-    "least-squares, median, path-margin, descriptors, surface-prior, last-surface-run, right-choices"
+    "least-squares, median, path-margin, descriptors, surface-prior, "
+    "last-surface-run, right-choices"
 )
 RANGE = "it must be from -16383 to 16383 pixels"
 SEQUENCE = "a sequence of names is needed: ('median',) for one"
@@ -83,7 +84,8 @@ VALUES = [
     ),
     (
         lambda: fast(right=image(6, 9, 1)),
-        f"`right` is an array of uint8 with shape (6, 9, 1), but {SHAPE}: right[..., 0] is the grey "
+        f"`right` is an array of uint8 with shape (6, 9, 1), but {SHAPE}: "
+        "right[..., 0] is the grey "
         "image",
     ),
     (
@@ -98,7 +100,8 @@ VALUES = [
     ),
     (
         lambda: fast(left=image(3, 6, 9)),
-        f"`left` is an array of uint8 with shape (3, 6, 9), but {SHAPE}: numpy.moveaxis(left, 0, -1) "
+        f"`left` is an array of uint8 with shape (3, 6, 9), but {SHAPE}: "
+        "numpy.moveaxis(left, 0, -1) "
         "puts the colours last",
     ),
     (
@@ -116,7 +119,8 @@ VALUES = [
     ),
     (
         lambda: fast(right=GREY[1:]),
-        "the left image is 9 x 6 but the right one is 9 x 5: a rectified pair has one size; crop or "
+        "the left image is 9 x 6 but the right one is 9 x 5: a rectified pair "
+        "has one size; crop or "
         "rectify first",
     ),
     (
@@ -130,7 +134,8 @@ VALUES = [
     # Boxes.
     (
         lambda: fast(box=(-1, 0, 3, 3)),
-        "`box` is (-1, 0, 3, 3) (tuple), but its sides must be 0 or more: they count columns and rows "
+        "`box` is (-1, 0, 3, 3) (tuple), but its sides must be 0 or more: they "
+        "count columns and rows "
         "from the top left",
     ),
     (
@@ -139,13 +144,15 @@ VALUES = [
     ),
     (
         lambda: fast(box=(0, 0, 9, 5)),
-        "the box 0,0,9,5 leaves the image of 9 x 6: its last column may be at most 8 and its last row "
+        "the box 0,0,9,5 leaves the image of 9 x 6: its last column may be at "
+        "most 8 and its last row "
         "at most 5 (the box is inclusive)",
     ),
     # Scores.
     (
         lambda: score(MAP, MAP[1:]),
-        "the truth is 9 x 5 but the estimate is 9 x 6: both must have the size of the left image; was "
+        "the truth is 9 x 5 but the estimate is 9 x 6: both must have the size "
+        "of the left image; was "
         "one of them made at another resolution?",
     ),
     (
@@ -210,7 +217,8 @@ TYPES = [
     (lambda: Matcher(3), "`preset` is 3 (int), but it must be one of fast, balanced, best"),
     (
         lambda: Matcher("fast", 64.0),
-        f"`max_disparity` is 64.0 (float), but a whole number is needed: {RANGE}; int(max_disparity) "
+        "`max_disparity` is 64.0 (float), but a whole number is needed: "
+        f"{RANGE}; int(max_disparity) "
         "is one",
     ),
     (
@@ -219,7 +227,8 @@ TYPES = [
     ),
     (
         lambda: Matcher(memory="1GB"),
-        "`memory` is '1GB' (str), but a whole number is needed: it must be a number of bytes, such as "
+        "`memory` is '1GB' (str), but a whole number is needed: it must be a "
+        "number of bytes, such as "
         "400_000_000",
     ),
     (
@@ -247,7 +256,8 @@ TYPES = [
     ),
     (
         lambda: fast(left=GREY.astype(np.int32)),
-        f"`left` is an array of int32 with shape (6, 9), but {IMAGE}: left.astype(numpy.uint8) makes "
+        f"`left` is an array of int32 with shape (6, 9), but {IMAGE}: "
+        "left.astype(numpy.uint8) makes "
         "one where white is 255, left.astype(numpy.uint16) where white is 65535",
     ),
     (
@@ -261,7 +271,8 @@ TYPES = [
     ),
     (
         lambda: fast(left=np.ma.masked_equal(GREY, 0)),
-        f"`left` is a masked array, but {IMAGE}: left.filled(...) says what stands where it is masked",
+        f"`left` is a masked array, but {IMAGE}: left.filled(...) says what "
+        "stands where it is masked",
     ),
     # Boxes.
     (
@@ -282,7 +293,8 @@ TYPES = [
     ),
     (
         lambda: score(np.ma.masked_equal(MAP, 0), MAP),
-        f"`disparity` is a masked array, but {IN_DISPARITIES}: disparity.filled(...) says what stands "
+        f"`disparity` is a masked array, but {IN_DISPARITIES}: "
+        "disparity.filled(...) says what stands "
         "where it is masked",
     ),
     (

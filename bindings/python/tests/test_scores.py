@@ -36,9 +36,10 @@ def test_only_box_and_mask_are_scored():
     masked = hazcam.score(estimate, truth, mask=mask)
     assert (masked.pixels, masked.p_bad) == (2, 0.5)
     assert hazcam.score(estimate, truth, box=(2, 1, 3, 1), mask=mask).p_bad == 1
-    assert "the box 2,1,3,1 (inclusive)" in hazcam.score(
-        estimate, truth, box=(2, 1, 3, 1)
-    ).protocols["E_RMS"]
+    assert (
+        "the box 2,1,3,1 (inclusive)"
+        in hazcam.score(estimate, truth, box=(2, 1, 3, 1)).protocols["E_RMS"]
+    )
 
 
 def test_estimates_are_clipped_where_that_is_asked_for():

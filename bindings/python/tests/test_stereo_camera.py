@@ -53,9 +53,7 @@ def test_calibrations_are_read(tmp_path):
     assert hazcam.read_calibration(middlebury) == expected
     kitti = tmp_path / "000000.txt"
     rows = [(0, 0.0), (1, -350.0), (2, 35.0), (3, -315.7)]
-    kitti.write_text(
-        "".join(f"P{i}: 700 0 600 {shift} 0 700 180 0 0 0 1 0\n" for i, shift in rows)
-    )
+    kitti.write_text("".join(f"P{i}: 700 0 600 {shift} 0 700 180 0 0 0 1 0\n" for i, shift in rows))
     assert hazcam.read_calibration(str(kitti)).baseline_m == pytest.approx(0.5)
     colour = hazcam.read_calibration(kitti, left=tmp_path / "image_2" / "000000_10.png")
     assert colour.baseline_m == pytest.approx(350.7 / 700)

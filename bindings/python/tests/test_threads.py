@@ -21,7 +21,9 @@ def test_threads_share_a_matcher():
     expected = [matcher.compute(*pair) for pair in pairs]
     with ThreadPoolExecutor(4) as pool:
         for _ in range(3):
-            for found, answer in zip(pool.map(lambda pair: matcher.compute(*pair), pairs), expected):
+            for found, answer in zip(
+                pool.map(lambda pair: matcher.compute(*pair), pairs), expected
+            ):
                 assert found.values.tobytes() == answer.values.tobytes()
                 assert found.reasons.tobytes() == answer.reasons.tobytes()
 

@@ -1,4 +1,4 @@
-"""The stub of the part in Rust says what is there, and the package passes a type checker."""
+"""Types are what the package says, and users of it are told where theirs are wrong."""
 
 import subprocess
 import sys
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-import hazcam
+SOURCES = Path(__file__).parents[1] / "python" / "hazcam"
 
 pytest.importorskip("mypy", reason="mypy is not installed: types are not checked")
 
@@ -21,7 +21,7 @@ def test_the_stub_is_what_is_there():
 
 
 def test_types_are_right():
-    run("mypy", "--strict", str(Path(hazcam.__file__).parent))
+    run("mypy", "--strict", str(SOURCES))
 
 
 def test_users_are_told_of_wrong_types(tmp_path):

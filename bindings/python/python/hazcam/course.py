@@ -1,7 +1,7 @@
 """The functions of the robotics course's assignment, under its names and with its arguments.
 
-They take the grey images that the course hands out, float32 from 0 to 255 with fractions (PIL's mode
-``F``), and its box, ``[[x0, x1], [y0, y1]]``. A submission needs one line for each::
+They take the grey images that the course hands out, float32 from 0 to 255 with fractions (PIL's
+mode ``F``), and its box, ``[[x0, x1], [y0, y1]]``. A submission needs one line for each::
 
     from hazcam.course import stereo_disparity_fast
 """
@@ -26,11 +26,11 @@ def stereo_disparity_fast(
     Parameters
     ----------
     Il, Ir
-        The left and the right image: grey values from 0 to 255, shape (rows, columns). They are rounded
-        to whole ones.
+        The left and the right image: grey values from 0 to 255, shape (rows, columns). They are
+        rounded to whole ones.
     bbox
-        2 x 2 whole numbers ``[[x0, x1], [y0, y1]]``: first and last column, first and last row to answer,
-        all part of the box.
+        2 x 2 whole numbers ``[[x0, x1], [y0, y1]]``: first and last column, first and last row to
+        answer, all part of the box.
     maxd
         Disparities from 0 to this are searched, in pixels.
 
@@ -51,7 +51,7 @@ def stereo_disparity_fast(
 def stereo_disparity_best(
     Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: int
 ) -> NDArray[np.float32]:
-    """Disparities by the matcher ``best``; everything else is as in :func:`stereo_disparity_fast`."""
+    """Disparities by the matcher ``best``; the rest is as in :func:`stereo_disparity_fast`."""
     return _stereo_disparity("best", Il, Ir, bbox, maxd)
 
 
@@ -87,7 +87,8 @@ def _box(bbox: ArrayLike) -> tuple[int, int, int, int]:
         sides = np.empty(0)
     if sides.shape != (2, 2) or sides.dtype.kind not in "iu":
         raise ArgumentError(
-            f"`bbox` is {bbox!r}, but 2 x 2 whole numbers [[x0, x1], [y0, y1]] are needed: first and "
+            f"`bbox` is {bbox!r}, but 2 x 2 whole numbers [[x0, x1], [y0, y1]] are "
+            "needed: first and "
             "last column, first and last row, all part of the box"
         )
     (x0, x1), (y0, y1) = sides.tolist()

@@ -34,10 +34,10 @@ class Reason(IntEnum):
 class VerticalDisparity:
     """How far things stood lower in the right image than in the left one, in pixels.
 
-    Rectification leaves such a rest; ``balanced`` and ``best`` take it out of the right image before
-    they match. It depends on the place: with ``X = column / columns - 0.5`` (of the right image) and
-    ``Y = row / rows - 0.5`` it is ``c[0] + c[1] X + c[2] Y + c[3] X Y + c[4] Y**2``, the shapes that a
-    camera makes that is turned a little (Longuet-Higgins & Prazdny 1980).
+    Rectification leaves such a rest; ``balanced`` and ``best`` take it out of the right image
+    before they match. It depends on the place: with ``X = column / columns - 0.5`` (of the right
+    image) and ``Y = row / rows - 0.5`` it is ``c[0] + c[1] X + c[2] Y + c[3] X Y + c[4] Y**2``, the
+    shapes that a camera makes that is turned a little (Longuet-Higgins & Prazdny 1980).
     """
 
     coefficients: tuple[float, float, float, float, float]
@@ -57,13 +57,13 @@ class DisparityMap:
     """
 
     values: NDArray[np.float32]
-    """Disparities in pixels: left ``(x, y)`` shows what right ``(x - d, y)`` shows, so what is nearer
-    has a larger one. NaN exactly where the reason has no value."""
+    """Disparities in pixels: left ``(x, y)`` shows what right ``(x - d, y)`` shows, so what is
+    nearer has a larger one. NaN exactly where the reason has no value."""
     reasons: NDArray[np.uint8]
     """Why the pixel has this value or none: the byte of a :class:`Reason`."""
     confidence: NDArray[np.float32]
-    """How sure the value is, from 0 (a guess) to 1; 0 where there is no value. It ranks pixels and is no
-    probability."""
+    """How sure the value is, from 0 (a guess) to 1; 0 where there is no value. It ranks pixels
+    and is no probability."""
     vertical_disparity: VerticalDisparity | None
     """What was mended of the rows, or ``None`` where nothing was worth it. ``fast`` never looks."""
 

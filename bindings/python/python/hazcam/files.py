@@ -18,8 +18,8 @@ from .matcher import Image
 def read_image(path: str | PathLike[str]) -> Image:
     """A picture as a matcher takes it: PNG, PGM/PPM, JPEG or TIFF, by content.
 
-    uint8 or uint16 as the file has them, shape (rows, columns) for grey or (rows, columns, 3) for red,
-    green, blue. Alpha is dropped.
+    uint8 or uint16 as the file has them, shape (rows, columns) for grey or (rows, columns, 3) for
+    red, green, blue. Alpha is dropped.
 
     Raises MissingFileError, FileAccessError, FileContentError.
     """
@@ -29,9 +29,10 @@ def read_image(path: str | PathLike[str]) -> Image:
 def read_disparity(path: str | PathLike[str], encoding: str = "auto") -> NDArray[np.float32]:
     """A map of disparities: float32 of shape (rows, columns), in pixels, NaN where there is none.
 
-    ``encoding`` says how the file stands for them: ``"pfm"``, ``"npy"``, ``"tiff"``, ``"png8/K"`` and
-    ``"png16/K"`` (disparity = value / K, 0 is none; ``png8/4`` for Cones and Teddy, ``png16/256`` for KITTI).
-    ``"auto"`` goes by content, and warns (HazcamWarning) where it had to assume a scale.
+    ``encoding`` says how the file stands for them: ``"pfm"``, ``"npy"``, ``"tiff"``, ``"png8/K"``
+    and ``"png16/K"`` (disparity = value / K, 0 is none; ``png8/4`` for Cones and Teddy,
+    ``png16/256`` for KITTI). ``"auto"`` goes by content, and warns (HazcamWarning) where it had to
+    assume a scale.
 
     Raises MissingFileError, FileAccessError, FileContentError, ArgumentError.
     """
@@ -44,8 +45,10 @@ def read_disparity(path: str | PathLike[str], encoding: str = "auto") -> NDArray
 def write_disparity(path: str | PathLike[str], disparity: DisparityMap | NDArray[Any]) -> None:
     """Writes a map of disparities in pixels, whole or not at all; the format follows the extension.
 
-    ``.pfm``, ``.npy`` and ``.tiff`` hold float32; ``.png`` is KITTI's 16 bit, from 0 to below 256 pixels.
+    ``.pfm``, ``.npy`` and ``.tiff`` hold float32; ``.png`` is KITTI's 16 bit, from 0 to below 256
+    pixels.
 
-    Raises FileAccessError where it cannot be written, ArgumentError for what the format cannot hold.
+    Raises FileAccessError where it cannot be written, ArgumentError for what the format cannot
+    hold.
     """
     _hazcam.write_disparity(path, disparities(disparity))

@@ -26,16 +26,16 @@ class Matcher:
         ``"balanced"``: semi-global matching in real time (Hirschmüller 2008) with learned choices.
         ``"best"``: accuracy first, with learned descriptors. ``hazcam explain PRESET`` tells all.
     max_disparity, min_disparity
-        The disparities to search, in whole pixels, both included; from -16383 to 16383. What is nearer
-        than ``max_disparity`` is missed. ``min_disparity`` may be negative.
+        The disparities to search, in whole pixels, both included; from -16383 to 16383. What is
+        nearer than ``max_disparity`` is missed. ``min_disparity`` may be negative.
     threads
         1 to 1024; one per processor unless given. The answer does not depend on it.
     memory
-        The most bytes that a frame may take. With less, ``balanced`` and ``best`` take longer; the answer
-        does not depend on it.
+        The most bytes that a frame may take. With less, ``balanced`` and ``best`` take longer; the
+        answer does not depend on it.
     holes
-        ``"fill"`` gives pixels without a trustworthy match a value from their surroundings, ``"keep"``
-        leaves them NaN. :class:`Reason` tells which they are in both.
+        ``"fill"`` gives pixels without a trustworthy match a value from their surroundings,
+        ``"keep"`` leaves them NaN. :class:`Reason` tells which they are in both.
     without
         Names of what the preset is to do without, such as ``("median",)``.
 
@@ -46,9 +46,9 @@ class Matcher:
 
     Notes
     -----
-    It keeps its memory from frame to frame. Several Python threads may share one: frames wait for each
-    other, and other Python threads run while it matches. A process that was forked off needs one of its
-    own. The Rust crate ``hazcam-matching`` does the work.
+    It keeps its memory from frame to frame. Several Python threads may share one: frames wait for
+    each other, and other Python threads run while it matches. A process that was forked off needs
+    one of its own. The Rust crate ``hazcam-matching`` does the work.
     """
 
     __slots__ = ("_arguments", "_matcher")
@@ -78,12 +78,13 @@ class Matcher:
         Parameters
         ----------
         left, right
-            The rectified pair: uint8 or uint16, shape (rows, columns) for grey or (rows, columns, 3) for
-            red, green, blue (OpenCV reads blue first: ``left[..., ::-1]``). Both are of one size and
-            depth, and in any layout of memory. Samples of 12 bits in uint16 want ``left << 4``.
+            The rectified pair: uint8 or uint16, shape (rows, columns) for grey or
+            (rows, columns, 3) for red, green, blue (OpenCV reads blue first: ``left[..., ::-1]``).
+            Both are of one size and depth, and in any layout of memory. Samples of 12 bits in
+            uint16 want ``left << 4``.
         box
-            ``(x0, y0, x1, y1)``: the first column and row and the last column and row to answer, all part
-            of the box. The whole image unless given.
+            ``(x0, y0, x1, y1)``: the first column and row and the last column and row to answer,
+            all part of the box. The whole image unless given.
 
         Raises
         ------

@@ -19,12 +19,14 @@ class Scores:
     """Every measure of a map, over the pixels whose truth is known."""
 
     measures: dict[str, float | None]
-    """By the names of ``hazcam score``: ``E_RMS`` and ``p_bad`` of the course; ``bad0.5`` to ``bad4``,
-    ``avgerr``, ``rms``, ``A50`` to ``A99`` and ``density`` of Middlebury (Scharstein et al. 2014); ``D1`` of
-    KITTI (Menze & Geiger 2015); ``EPE``, ``median``, ``bias``, ``subpixel-mean`` and so on. Errors are in
-    pixels, estimate less truth; shares run from 0 to 1. ``None`` where there is nothing to take it from."""
+    """By the names of ``hazcam score``: ``E_RMS`` and ``p_bad`` of the course; ``bad0.5`` to
+    ``bad4``, ``avgerr``, ``rms``, ``A50`` to ``A99`` and ``density`` of Middlebury (Scharstein
+    et al. 2014); ``D1`` of KITTI (Menze & Geiger 2015); ``EPE``, ``median``, ``bias``,
+    ``subpixel-mean`` and so on. Errors are in pixels, estimate less truth; shares run from 0 to 1.
+    ``None`` where there is nothing to take it from."""
     protocols: dict[str, str]
-    """For each measure that has a value, in words: which pixels were counted, what a hole counted as."""
+    """For each measure that has a value, in words: which pixels were counted, what a
+    hole counted as."""
     pixels: int
     """How many pixels were scored."""
     holes: int
@@ -54,15 +56,16 @@ def score(
     Parameters
     ----------
     disparity
-        What a matcher answered, or an array of numbers with shape (rows, columns), in pixels. What is not
-        finite is a hole.
+        What a matcher answered, or an array of numbers with shape (rows, columns), in pixels. What
+        is not finite is a hole.
     truth
-        The true disparities, of the same shape. What is not finite is not known, and not scored; the
-        course's two numbers leave out zeros as well.
+        The true disparities, of the same shape. What is not finite is not known, and not scored;
+        the course's two numbers leave out zeros as well.
     box
         ``(x0, y0, x1, y1)``, all part of the box: score only these pixels.
     mask
-        Truth values of the same shape: score only where it is true (``read_image("mask0nocc.png") == 255``).
+        Truth values of the same shape: score only where it is true
+        (``read_image("mask0nocc.png") == 255``).
     max_disparity
         Clip estimates from 0 to this before Middlebury's measures, as its benchmark does.
 

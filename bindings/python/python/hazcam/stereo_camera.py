@@ -17,9 +17,9 @@ from .disparity_map import DisparityMap, disparities
 class StereoCamera:
     """A rectified pair of pinhole cameras, the right one to the right of the left one.
 
-    A point at depth ``Z`` has the disparity ``d = focal_px * baseline_m / Z - doffs`` (Scharstein et al.,
-    GCPR 2014). Coordinates are those of the left camera: X to the right, Y down, Z forward, in metres;
-    pixel centres lie at whole numbers.
+    A point at depth ``Z`` has the disparity ``d = focal_px * baseline_m / Z - doffs`` (Scharstein
+    et al., GCPR 2014). Coordinates are those of the left camera: X to the right, Y down, Z forward,
+    in metres; pixel centres lie at whole numbers.
 
     Raises
     ------
@@ -51,7 +51,8 @@ class StereoCamera:
     def points(self, disparity: DisparityMap | NDArray[Any]) -> NDArray[np.float32]:
         """The point X, Y, Z in metres that each pixel shows, float32 of shape (rows, columns, 3).
 
-        NaN three times where :meth:`depth` is NaN: ``points[~np.isnan(points[..., 2])]`` are the others.
+        NaN three times where :meth:`depth` is NaN: ``points[~np.isnan(points[..., 2])]`` are the
+        others.
         """
         return _hazcam.points(self, disparities(disparity))
 
@@ -61,8 +62,9 @@ def read_calibration(
 ) -> StereoCamera:
     """The cameras of a calibration file of Middlebury, ETH3D or KITTI.
 
-    KITTI's files hold a grey and a colour pair, whose baselines differ: by the folder of the ``left``
-    image (``image_2`` is colour) the right one is taken. A calibration is that of images of one size.
+    KITTI's files hold a grey and a colour pair, whose baselines differ: by the folder of the
+    ``left`` image (``image_2`` is colour) the right one is taken. A calibration is that of images
+    of one size.
 
     Raises MissingFileError, FileAccessError, FileContentError.
     """
