@@ -36,6 +36,18 @@ struct Answer {
     vertical: Option<Vertical>,
 }
 
+impl Answer {
+    fn of(matcher: &matching::Matcher) -> Self {
+        let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
+        Self {
+            values: map.values.clone(),
+            reasons: map.reasons.map(|&reason| reason as u8),
+            confidence: map.confidence.clone(),
+            vertical: vertical.map(|v| (v.coefficients(), v.root_mean_square(), v.largest())),
+        }
+    }
+}
+
 /// The same as arrays.
 type Arrays<'py> = (
     Bound<'py, PyArray2<f32>>,
@@ -118,18 +130,9 @@ impl Matcher {
             Some(matcher) => matcher,
             None => matching::Matcher::new(self.options.clone())?,
         };
-        let answer = matcher.compute(left, right, bounds).map(|map| {
-            let (values, confidence) = (map.values.clone(), map.confidence.clone());
-            Answer {
-                values,
-                reasons: map.reasons.map(|&reason| reason as u8),
-                confidence,
-                vertical: None,
-            }
-        });
-        let vertical = matcher.vertical_disparity();
-        let vertical = vertical.map(|v| (v.coefficients(), v.root_mean_square(), v.largest()));
+        let matched = matcher.compute(left, right, bounds).map(|_| ());
+        let answer = matched.map(|()| Answer::of(&matcher));
         *kept = Some(matcher);
-        answer.map(|answer| Answer { vertical, ..answer })
+        answer
     }
 }
