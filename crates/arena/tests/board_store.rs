@@ -183,3 +183,25 @@ fn nobody_else_can_read_the_secret() {
     begin(&path);
     assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600);
 }
+
+#[test]
+fn points_by_other_tests_are_refused_where_somebody_else_has_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    let mut board = begin(&path);
+    let by = |tests: &str, name: &str| Entry { tests: tests.into(), ..entry(name) };
+    board.add("her", &by("print", "Jaff Bozos"), &[], &[]).unwrap();
+    // In the transaction itself too: another one may have come while this one was graded.
+    let error = board.add("him", &by("other", "Elen Mosk"), &[], &[]).unwrap_err();
+    let is_told = matches!(&error, BoardError::OtherTests { id, .. } if id == "Jaff Bozos");
+    assert!(is_told, "{error}");
+    assert!(board.admit_tests("him", ("Small", "other")).is_err());
+    board.admit_tests("him", ("Small", "print")).unwrap();
+    // Her own entry goes when the new one comes.
+    board.add("her", &by("other", "Jaff Bozos"), &[], &[]).unwrap();
+    // Entries of older boards do not say.
+    let mut board = begin(&folder.path().join("older.sqlite"));
+    board.add("him", &by("", "Elen Mosk"), &[], &[]).unwrap();
+    board.add("her", &by("print", "Jaff Bozos"), &[], &[]).unwrap();
+    assert_eq!(names(&board).len(), 2);
+}

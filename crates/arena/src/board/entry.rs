@@ -14,6 +14,10 @@ pub struct Entry {
     /// When it was added, in UTC (`2026-01-31T12:00:00Z`). Set by the board.
     #[serde(default)]
     pub added: String,
+    /// The [fingerprint](super::tests_fingerprint) of the scheme's tests; empty in entries of older boards, of
+    /// which nobody knows.
+    #[serde(default)]
+    pub tests: String,
     /// The scheme's tests.
     pub report: Report,
     /// The test on the hold-out.

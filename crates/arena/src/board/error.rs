@@ -73,16 +73,15 @@ pub enum BoardError {
     OtherHoldout(String),
     /// Other tests gave the points of those who are on the board.
     #[error(
-        "the scheme `{scheme}` has other tests than those by which `{id}` on this board got its points \
-         ({problem}): give the --scheme of before, or begin another board with --board"
+        "the tests of the scheme `{scheme}`, or their scenes, are not those by which `{id}` on this \
+         board got its points: give the --scheme and the data of before, or begin another board \
+         with --board; `hazcam board remove` takes off whom that concerns"
     )]
-    OtherScheme {
+    OtherTests {
         /// The scheme's name.
         scheme: String,
         /// Somebody on the board.
         id: String,
-        /// What differs.
-        problem: String,
     },
     /// The hold-out cannot be used.
     #[error("the hold-out {0}")]

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use raster::Image;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::error::BoardError;
+use super::fingerprint::fingerprint;
 use crate::grade::{Render, Scene, SceneSource, Scheme, Test};
 use crate::submission::Part;
 
@@ -113,22 +112,8 @@ impl Holdout {
     /// The SHA-256 of what is asked and of every pixel of images and truth: two hold-outs are the
     /// same when this is.
     pub fn fingerprint(&self, scene: &Scene) -> String {
-        let mut hash = Sha256::new();
         let test = Test { name: String::new(), scene: String::new(), ..self.test.clone() };
-        hash.update(serde_json::to_vec(&test).expect("a test is plain data"));
-        let bounds = scene.bounds;
-        for number in [bounds.x0, bounds.y0, bounds.x1, bounds.y1] {
-            hash.update((number as u64).to_le_bytes());
-        }
-        for image in [&scene.left, &scene.right] {
-            hash_image(&mut hash, image);
-        }
-        for value in scene.truth.samples() {
-            // Every NaN is the same: unknown.
-            let value = if value.is_nan() { f32::NAN } else { *value };
-            hash.update(value.to_bits().to_le_bytes());
-        }
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        fingerprint(&[(test, scene)])
     }
 
     /// What may be said about it in public.
@@ -148,24 +133,11 @@ impl Holdout {
     }
 }
 
-fn hash_image(hash: &mut Sha256, image: &Image) {
-    let (columns, rows) = image.size();
-    hash.update([columns as u64, rows as u64].map(u64::to_le_bytes).concat());
-    match image {
-        Image::Grey8(plane) => hash.update(plane.samples()),
-        Image::Rgb8(plane) => hash.update(plane.samples().as_flattened()),
-        Image::Grey16(plane) => plane.samples().iter().for_each(|s| hash.update(s.to_le_bytes())),
-        Image::Rgb16(plane) => {
-            plane.samples().as_flattened().iter().for_each(|s| hash.update(s.to_le_bytes()));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dataset::CaseData;
-    use raster::{DisparityRange, Plane};
+    use raster::{DisparityRange, Image, Plane};
 
     /// Renders a ramp that depends on the seed.
     fn render(

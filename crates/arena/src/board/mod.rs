@@ -18,9 +18,12 @@
 //! **Names.** Everybody is known by a secret ID. An owner (a student's number, say; shown nowhere)
 //! has one entry: a later one takes its place, whatever its ID; where the owner was only guessed from
 //! a file's name, one with the same ID ([`Owner`]). An ID that somebody else has is refused.
+//!
+//! **Tests.** All points are for the same tests on the same scenes ([`tests_fingerprint`]); others are refused.
 
 mod entry;
 mod error;
+mod fingerprint;
 mod holdout;
 mod listing;
 mod picture;
@@ -30,6 +33,7 @@ mod store;
 
 pub use entry::{Entry, Owner, is_owner};
 pub use error::BoardError;
+pub use fingerprint::tests_fingerprint;
 pub use holdout::Holdout;
 pub use listing::table;
 pub use picture::{Picture, SceneTruth};

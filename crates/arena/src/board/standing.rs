@@ -86,6 +86,7 @@ pub(crate) mod tests {
             secret_id: id.into(),
             baseline: false,
             added: "2026-01-31T12:00:00Z".into(),
+            tests: String::new(),
             report,
             holdout,
             machine: "a machine".into(),

@@ -17,7 +17,6 @@ use super::error::BoardError;
 use super::holdout::Holdout;
 use super::picture::{Picture, SceneTruth};
 use super::schema::{self, Kind, VERSION};
-use crate::grade::{Scheme, Test, TestResult};
 use crate::submission::is_secret_id;
 
 /// How long a writer waits for others.
@@ -118,7 +117,7 @@ impl Board {
 
     /// Puts an entry on the board, in the place of its owner's earlier one if there is one.
     ///
-    /// Errors as [`Board::admit`] does; then nothing is changed.
+    /// Errors as [`Board::admit`] and [`Board::admit_tests`] do; then nothing is changed.
     pub fn add<'a>(
         &mut self,
         owner: impl Into<Owner<'a>>,
@@ -134,6 +133,7 @@ impl Board {
             .transaction_with_behavior(TransactionBehavior::Immediate)
             .map_err(failed)?;
         let before = earlier(&transaction, &path, owner, &entry.secret_id)?;
+        same_tests(&transaction, &path, owner, (&entry.report.scheme, &entry.tests))?;
         replace(&transaction, owner.name(), entry.clone(), pictures, truths).map_err(failed)?;
         transaction.commit().map_err(failed)?;
         Ok(before.map_or(Added::New, Added::Replaced))
@@ -149,16 +149,14 @@ impl Board {
         earlier(&self.connection, &self.path, owner.into(), secret_id).map(drop)
     }
 
-    /// Errors when the points of this scheme cannot stand beside those on the board: of tests that are not the
-    /// same, or give other points for other figures.
-    pub fn admit_scheme(&self, scheme: &Scheme) -> Result<(), BoardError> {
-        for entry in self.entries()? {
-            if let Some(problem) = difference(&scheme.tests, &entry.report.tests) {
-                let scheme = scheme.name.clone();
-                return Err(BoardError::OtherScheme { scheme, id: entry.secret_id, problem });
-            }
-        }
-        Ok(())
+    /// Errors when points by these tests, those of a scheme with a [fingerprint](super::tests_fingerprint), cannot
+    /// stand beside those of others on the board.
+    pub fn admit_tests<'a>(
+        &self,
+        owner: impl Into<Owner<'a>>,
+        (scheme, tests): (&str, &str),
+    ) -> Result<(), BoardError> {
+        same_tests(&self.connection, &self.path, owner.into(), (scheme, tests))
     }
 
     /// Everybody, earliest first.
@@ -258,20 +256,26 @@ impl Board {
     }
 }
 
-/// In what the first test that differs does. Limits of CPU time may: machines do.
-fn difference(tests: &[Test], graded: &[TestResult]) -> Option<String> {
-    let told = |name: &str, scene: &str, points: f64, e_rms: f64, p_bad: f64| {
-        format!("`{name}` on `{scene}`, {points} points up to E_RMS {e_rms} and p_bad {p_bad}")
-    };
-    let now = tests.iter().map(|t| told(&t.name, &t.scene, t.points, t.max_e_rms, t.max_p_bad));
-    let before =
-        graded.iter().map(|t| told(&t.name, &t.scene, t.max_points, t.max_e_rms, t.max_p_bad));
-    let (now, before): (Vec<_>, Vec<_>) = (now.collect(), before.collect());
-    if now.len() != before.len() {
-        return Some(format!("{} tests now, {} before", now.len(), before.len()));
+/// Errors when somebody else on the board got points by other tests.
+fn same_tests(
+    connection: &Connection,
+    path: &Path,
+    owner: Owner<'_>,
+    (scheme, tests): (&str, &str),
+) -> Result<(), BoardError> {
+    let failed = |source| failure(path, source);
+    let differs = connection
+        .query_row(
+            "SELECT secret_id FROM entry WHERE owner <> ?1 AND \
+             coalesce(json_extract(content, '$.tests'), '') NOT IN ('', ?2) ORDER BY id LIMIT 1",
+            [owner.name(), tests],
+            |row| row.get(0),
+        )
+        .optional();
+    match differs.map_err(failed)? {
+        Some(id) => Err(BoardError::OtherTests { scheme: scheme.to_owned(), id }),
+        None => Ok(()),
     }
-    let differs = now.iter().zip(&before).find(|(now, before)| now != before);
-    differs.map(|(now, before)| format!("{now}, before {before}"))
 }
 
 /// Makes an empty database a board that ranks on this hold-out, which is text in JSON.
@@ -340,7 +344,8 @@ fn replace(
     }
     for SceneTruth { test, truth } in truths {
         transaction.execute(
-            "INSERT INTO scene (test, truth) VALUES (?, ?) ON CONFLICT DO NOTHING",
+            "INSERT INTO scene (test, truth) VALUES (?, ?) \
+             ON CONFLICT (test) DO UPDATE SET truth = excluded.truth",
             params![test, truth],
         )?;
     }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail};
 use arena::board::{
     Added, Board, BoardError, Entry, Holdout, Owner, Picture, SceneTruth, is_owner, standings,
+    tests_fingerprint,
 };
 use arena::grade::output::text;
 use arena::grade::{Event, Outcome, Scene, Scheme};
@@ -66,8 +67,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
-    board.admit_scheme(workshop.scheme())?;
     // What is refused in the end is refused before the work, where the name is known by now.
+    let tests = tests_fingerprint(workshop.tests());
+    board.admit_tests(owner, (&workshop.scheme().name, &tests))?;
     let named = args.secret_id.clone().or(args.entrant.matcher());
     if let Some(id) = named.filter(|id| is_secret_id(id)) {
         board.admit(owner, &id)?;
@@ -96,7 +98,8 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         "not entered, because it has no usable secret ID: mend secret_id.py, or give one with \
          --secret-id",
     )?;
-    let scenes: Vec<(String, &Scene)> = workshop.scenes_of_tests();
+    let scenes: Vec<(String, &Scene)> =
+        workshop.tests().map(|(test, scene)| (test.name.clone(), scene)).collect();
     let mut pictures: Vec<Picture> = report
         .tests
         .iter()
@@ -111,6 +114,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         secret_id: secret_id.clone(),
         baseline: args.baseline,
         added: String::new(),
+        tests,
         report,
         holdout: result,
         machine: describe(&Machine::this(None)),

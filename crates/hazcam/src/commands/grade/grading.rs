@@ -145,13 +145,10 @@ impl Workshop {
         &self.scheme
     }
 
-    /// The scheme's tests by name with their scenes, those that could be loaded.
-    pub fn scenes_of_tests(&self) -> Vec<(String, &Scene)> {
-        let loaded = |test: &Test| {
-            let scene = self.scenes.get(&test.scene)?.as_ref().ok()?;
-            Some((test.name.clone(), scene))
-        };
-        self.scheme.tests.iter().filter_map(loaded).collect()
+    /// The tests whose scenes could be loaded, with these.
+    pub fn tests(&self) -> impl Iterator<Item = (&Test, &Scene)> {
+        let tests = self.scheme.tests.iter();
+        tests.filter_map(|test| Some((test, self.scenes.get(&test.scene)?.as_ref().ok()?)))
     }
 
     /// The grader.
