@@ -1,31 +1,51 @@
 //! How much memory a frame may take.
 
 use crate::MatchError;
-use crate::machine;
+use crate::machine::{Memory, taken};
 use crate::matcher::Frame;
 
-/// What the options allow, and what there is.
+/// Bytes per pixel of copies of the answer that others keep, of this frame and of the one before.
+const ANSWERS: usize = 2 * (4 + 1 + 4);
+/// Bytes for all else that a process takes while it matches and writes.
+const ODDS_AND_ENDS: usize = 16 << 20;
+
+/// What the options allow for a frame, and what there is for it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Allowance {
     asked: Option<usize>,
     there: Option<usize>,
+    /// Where a control group bounds what there is.
+    bound: Option<usize>,
 }
 
 impl Allowance {
-    /// With what there is at this time.
-    pub fn new(asked: Option<usize>) -> Self {
-        Self { asked, there: machine::memory() }
+    /// What a process with so many bytes `taken` may take for a frame of so many pixels. Its images are among the
+    /// former.
+    fn new(asked: Option<usize>, memory: Memory, taken: usize, pixels: usize) -> Self {
+        let besides = taken + ANSWERS * pixels + ODDS_AND_ENDS;
+        match memory.bound {
+            None => Self { asked, there: memory.whole, bound: None },
+            Some(bound) => {
+                Self { asked, there: Some(bound.saturating_sub(besides)), bound: Some(bound) }
+            }
+        }
+    }
+
+    /// Whatever is convenient: for who has not asked what there is.
+    pub fn unbounded() -> Self {
+        Self { asked: None, there: None, bound: None }
     }
 
     /// Refuses a frame that needs more bytes than are allowed, or than there are.
-    pub fn admit(&self, frame: &Frame<'_>, needed: usize) -> Result<(), MatchError> {
+    fn admit(&self, frame: &Frame<'_>, needed: usize) -> Result<(), MatchError> {
         let ((columns, rows), disparities) = (frame.size(), frame.range.count());
+        let bound = self.bound;
         match (self.asked, self.there) {
             (Some(limit), _) if needed > limit => {
                 Err(MatchError::Memory { columns, rows, disparities, needed, limit })
             }
             (_, Some(there)) if needed > there => {
-                Err(MatchError::MachineMemory { columns, rows, disparities, needed, there })
+                Err(MatchError::MachineMemory { columns, rows, disparities, needed, there, bound })
             }
             _ => Ok(()),
         }
@@ -34,6 +54,36 @@ impl Allowance {
     /// The most bytes to take where so many would be convenient: those if nothing else was said.
     pub fn most(&self, convenient: usize) -> usize {
         self.asked.unwrap_or(convenient).min(self.there.unwrap_or(usize::MAX))
+    }
+}
+
+/// Allows a matcher's frames their memory.
+#[derive(Debug)]
+pub(crate) struct Admission {
+    asked: Option<usize>,
+    memory: Memory,
+    /// The most that a frame needed so far, and what it was allowed.
+    largest: Option<(usize, Allowance)>,
+}
+
+impl Admission {
+    /// With what there is at this time.
+    pub fn new(asked: Option<usize>) -> Self {
+        Self { asked, memory: Memory::now(), largest: None }
+    }
+
+    /// What a frame may take that needs so many bytes at the least; an error where that is not enough. What the
+    /// process has taken is asked only when a frame needs more than all before: the matcher's own memory is then
+    /// counted twice at the worst, and never for frames of one size.
+    pub fn of(&mut self, frame: &Frame<'_>, needed: usize) -> Result<Allowance, MatchError> {
+        let (columns, rows) = frame.size();
+        let (most, allowance) = match self.largest {
+            Some((most, allowance)) if needed <= most => (most, allowance),
+            _ => (needed, Allowance::new(self.asked, self.memory, taken(), columns * rows)),
+        };
+        allowance.admit(frame, needed)?;
+        self.largest = Some((most, allowance));
+        Ok(allowance)
     }
 }
 
@@ -51,17 +101,17 @@ mod tests {
             right: &image,
             bounds: BoundingBox::whole(70_000, 3),
             range: DisparityRange::new(0, 16_383).unwrap(),
+            allowance: Allowance::unbounded(),
         };
         let needed = 28_706_000_000;
-        let admit = |asked, there| Allowance { asked, there }.admit(&frame, needed);
+        let admit = |asked, there| Allowance { asked, there, bound: None }.admit(&frame, needed);
         assert_eq!(admit(None, None), Ok(()));
         assert_eq!(admit(Some(needed), Some(needed)), Ok(()));
         let error = admit(None, Some(16_000_000_000)).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "70000 x 3 pixels and 16384 disparities need at least 28706 MB, but there are \
-             16000 MB for it on this machine, or in this container (three quarters of its \
-             limit): narrow the range, or match a box"
+            "70000 x 3 pixels and 16384 disparities need at least 28706 MB, but this machine \
+             has 16000 MB: narrow the range, or match a box"
         );
         // Who allows more than there is has to know; who allows less is told what was allowed.
         assert_eq!(admit(Some(2 * needed), Some(16_000_000_000)), Err(error));
@@ -74,11 +124,46 @@ mod tests {
 
     #[test]
     fn what_is_convenient_is_taken_unless_less_is_allowed_or_there() {
-        let most = |asked, there| Allowance { asked, there }.most(200);
+        let most = |asked, there| Allowance { asked, there, bound: None }.most(200);
         assert_eq!(most(None, None), 200);
         assert_eq!(most(Some(300), None), 300);
         assert_eq!(most(Some(100), Some(150)), 100);
         assert_eq!(most(Some(300), Some(150)), 150);
         assert_eq!(most(None, Some(150)), 150);
+    }
+    #[test]
+    fn a_bound_leaves_what_is_not_taken_for_else() {
+        let memory = |bound| Memory { whole: Some(8 << 30), bound };
+        let there = |bound, taken| Allowance::new(None, memory(bound), taken, 1 << 20).there;
+        assert_eq!(there(None, 1 << 20), Some(8 << 30));
+        // Of 100 MiB the process has 10, others keep 18 of answers, and 16 are for odds and ends.
+        assert_eq!(there(Some(100 << 20), 10 << 20), Some(56 << 20));
+        assert_eq!(there(Some(40 << 20), 10 << 20), Some(0));
+        let image = Image::Grey8(Plane::filled(30, 20, 0));
+        let bounds = BoundingBox::whole(30, 20);
+        let range = DisparityRange::new(0, 15).unwrap();
+        let allowance = Allowance::new(None, memory(Some(100 << 20)), 90 << 20, 600);
+        let frame = Frame { left: &image, right: &image, bounds, range, allowance };
+        assert_eq!(
+            allowance.admit(&frame, 5_000_000).unwrap_err().to_string(),
+            "30 x 20 pixels and 16 disparities need at least 5 MB, but of the 104 MB that this \
+             container or service may take 0 MB are left for that: raise its limit, narrow the \
+             range, or match a box"
+        );
+    }
+
+    #[test]
+    fn what_is_there_is_asked_again_for_larger_frames_alone() {
+        let image = Image::Grey8(Plane::filled(30, 20, 0));
+        let (bounds, range) = (BoundingBox::whole(30, 20), DisparityRange::new(0, 15).unwrap());
+        let allowance = Allowance::unbounded();
+        let frame = Frame { left: &image, right: &image, bounds, range, allowance };
+        let memory = Memory { whole: Some(8 << 30), bound: Some(4 << 30) };
+        let mut admission = Admission { asked: None, memory, largest: None };
+        let first = admission.of(&frame, 1000).unwrap().there;
+        let mut more = vec![1u8; 64 << 20];
+        more[first.unwrap() % 100] = 2;
+        assert_eq!(admission.of(&frame, 1000).unwrap().there, first);
+        assert!(admission.of(&frame, 1001).unwrap().there < first, "{}", more.len());
     }
 }

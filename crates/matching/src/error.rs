@@ -71,10 +71,9 @@ pub enum MatchError {
     },
     /// The work does not fit the memory that the machine has, or that a container leaves it.
     #[error(
-        "{columns} x {rows} pixels and {disparities} disparities need at least {} MB, but there are \
-         {} MB for it on this machine, or in this container (three quarters of its limit): narrow the range, or match a box",
+        "{columns} x {rows} pixels and {disparities} disparities need at least {} MB, but {}",
         needed.div_ceil(1_000_000),
-        there / 1_000_000
+        too_little(*there, *bound)
     )]
     MachineMemory {
         /// Columns of either image.
@@ -85,7 +84,22 @@ pub enum MatchError {
         disparities: usize,
         /// Bytes needed.
         needed: usize,
-        /// Bytes that there are for it: of the machine with swap, or three quarters of a control group's limit.
+        /// Bytes that there are for it: of the machine with swap, or what is left of the bound.
         there: usize,
+        /// Bytes that a control group (a container, a service) bounds the process to, if one does.
+        bound: Option<usize>,
     },
+}
+
+/// What there is instead of what a frame needs, and what can be done.
+fn too_little(there: usize, bound: Option<usize>) -> String {
+    let there = there / 1_000_000;
+    match bound {
+        None => format!("this machine has {there} MB: narrow the range, or match a box"),
+        Some(bound) => format!(
+            "of the {} MB that this container or service may take {there} MB are left for that: \
+             raise its limit, narrow the range, or match a box",
+            bound / 1_000_000
+        ),
+    }
 }

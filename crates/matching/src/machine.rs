@@ -1,20 +1,58 @@
 //! What memory there is for this process.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-/// Bytes of the machine's memory, with what it swaps to, or fewer where a control group bounds the process, as
-/// containers and services are bounded. Who takes more than such a bound is killed, so a quarter of it is left for
-/// what else the process has: its images, and what it writes. Nothing where that cannot be told.
+/// What memory there is, as far as the system tells.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Memory {
+    /// Bytes of the machine, with what it swaps to.
+    pub whole: Option<usize>,
+    /// Bytes that a control group bounds this process to, as containers and services are bounded: who takes more is
+    /// killed.
+    pub bound: Option<usize>,
+}
+
+impl Memory {
+    /// What there is now.
+    #[cfg(target_os = "linux")]
+    pub fn now() -> Self {
+        let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+        let whole = whole();
+        let bound = bound(Path::new("/sys/fs/cgroup"), &groups);
+        // Where nobody bounds it, a huge number stands.
+        Self { whole, bound: bound.filter(|&bound| whole.is_none_or(|whole| bound < whole)) }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    pub fn now() -> Self {
+        Self { whole: None, bound: None }
+    }
+}
+
+/// Bytes that this process has for itself alone, files that it only reads not among them; 0 where that cannot be
+/// told. Nothing is allocated.
+pub(crate) fn taken() -> usize {
+    let mut text = [0; 128];
+    let read = File::open("/proc/self/statm").and_then(|mut file| file.read(&mut text));
+    let text = std::str::from_utf8(&text[..read.unwrap_or(0)]).unwrap_or_default();
+    // Of all its pages: those that are there, and those of these that are shared.
+    let mut pages = text.split(' ').skip(1).map_while(|number| number.parse::<usize>().ok());
+    match (pages.next(), pages.next()) {
+        (Some(there), Some(shared)) => there.saturating_sub(shared) * page_size(),
+        _ => 0,
+    }
+}
+
 #[cfg(target_os = "linux")]
-pub(crate) fn memory() -> Option<usize> {
-    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let bound = bound(Path::new("/sys/fs/cgroup"), &groups).map(|bytes| bytes - bytes / 4);
-    [whole(), bound].into_iter().flatten().min()
+fn page_size() -> usize {
+    rustix::param::page_size()
 }
 
 #[cfg(not(target_os = "linux"))]
-pub(crate) fn memory() -> Option<usize> {
-    None
+fn page_size() -> usize {
+    0
 }
 
 #[cfg(target_os = "linux")]
@@ -60,7 +98,19 @@ mod tests {
             line.trim().trim_end_matches(" kB").parse::<usize>().unwrap() * 1024
         };
         assert_eq!(whole(), Some(of("MemTotal:") + of("SwapTotal:")));
-        assert!(memory() <= whole());
+        let Memory { whole: told, bound } = Memory::now();
+        assert_eq!(told, whole());
+        assert!(bound < told);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_taken_is_told() {
+        let before = taken();
+        let mut more = vec![1u8; 64 << 20];
+        more[before % 100] = 2;
+        let now = taken();
+        assert!(now > before + (48 << 20), "{before}, {now} with {}", more.len());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
-use crate::allowance::Allowance;
+use crate::allowance::{Admission, Allowance};
 use crate::kernels::level::Level;
 use crate::limits::Limits;
 use crate::presets;
@@ -18,6 +18,8 @@ pub(crate) struct Frame<'a> {
     pub right: &'a Image,
     pub bounds: BoundingBox,
     pub range: DisparityRange,
+    /// The memory that it may take.
+    pub allowance: Allowance,
 }
 
 impl Frame<'_> {
@@ -75,7 +77,7 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
 pub struct Matcher {
     options: Options,
     level: Level,
-    allowance: Allowance,
+    admission: Admission,
     pool: rayon::ThreadPool,
     pipeline: Box<dyn Pipeline>,
     map: DisparityMap,
@@ -110,10 +112,10 @@ impl Matcher {
             allowed: format!("the system could not start them ({e}); ask for fewer"),
         })?;
         let level = Level::chosen()?;
-        let allowance = Allowance::new(options.memory);
-        let pipeline = presets::pipeline(&options, level, allowance);
+        let pipeline = presets::pipeline(&options, level);
+        let admission = Admission::new(options.memory);
         let (map, profile) = (DisparityMap::default(), Profile::new());
-        Ok(Self { options, level, allowance, pool, pipeline, map, profile })
+        Ok(Self { options, level, admission, pool, pipeline, map, profile })
     }
 
     /// The options it was built from.
@@ -188,10 +190,11 @@ impl Matcher {
         if columns * rows > LARGEST {
             return Err(MatchError::TooLarge { columns, rows, limit: LARGEST });
         }
-        let frame = Frame { left, right, bounds, range: self.options.range };
-        let Self { allowance, pipeline, map, profile, .. } = self;
+        let (range, allowance) = (self.options.range, Allowance::unbounded());
+        let mut frame = Frame { left, right, bounds, range, allowance };
+        let Self { admission, pipeline, map, profile, .. } = self;
         self.pool.install(|| {
-            allowance.admit(&frame, pipeline.least_memory(&frame))?;
+            frame.allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
             profile.begin();
             map.reshape(columns, rows, bounds);
             pipeline.run(&frame, map, profile)

@@ -11,7 +11,6 @@ mod view;
 
 use raster::DisparityMap;
 
-use crate::allowance::Allowance;
 use crate::kernels::level::Level;
 use crate::matcher::{Frame, Pipeline};
 use crate::profile::Profile;
@@ -20,11 +19,11 @@ use crate::{MatchError, Options, Preset};
 use semi_global::SemiGlobalMatching;
 
 /// The stages that the options ask for.
-pub(crate) fn pipeline(options: &Options, level: Level, allowance: Allowance) -> Box<dyn Pipeline> {
+pub(crate) fn pipeline(options: &Options, level: Level) -> Box<dyn Pipeline> {
     match options.preset {
         Preset::Fast => Box::new(fast::Fast::new(level)),
         preset @ (Preset::Balanced | Preset::Best) => {
-            Box::new(SemiGlobalMatching::new(preset, &options.without, level, allowance))
+            Box::new(SemiGlobalMatching::new(preset, &options.without, level))
         }
     }
 }

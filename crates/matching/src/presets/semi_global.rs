@@ -14,7 +14,6 @@ use super::pair::{Pair, Prepared};
 use super::penalties::penalties;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
-use crate::allowance::Allowance;
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
@@ -79,14 +78,12 @@ pub(crate) struct SemiGlobalMatching {
     between: columns_between::Map,
     answer: Answer,
     least_squares: LeastSquares,
-    /// Of all that it takes, with the answer.
-    allowance: Allowance,
 }
 
 impl SemiGlobalMatching {
     /// A preset with all ingredients, and a lesson to be learned from the first frame.
     pub fn teaching(preset: Preset, level: Level, lesson: Lesson) -> Self {
-        let untaught = Self::new(preset, &[], level, Allowance::new(None));
+        let untaught = Self::new(preset, &[], level);
         Self { choices: untaught.choices.teaching(lesson), ..untaught }
     }
 
@@ -96,12 +93,11 @@ impl SemiGlobalMatching {
     }
 
     /// `balanced` or `best`, without some of its ingredients.
-    pub fn new(preset: Preset, without: &[Ingredient], level: Level, allowance: Allowance) -> Self {
+    pub fn new(preset: Preset, without: &[Ingredient], level: Level) -> Self {
         Self {
             ingredients: Ingredients::of(preset, without),
             preset,
             level,
-            allowance,
             pair: Pair::default(),
             vertical: None,
             flat: Plane::default(),
@@ -437,7 +433,7 @@ impl Pipeline for SemiGlobalMatching {
         let space = self.space(frame, work);
         let rows = MatchedRows::of(work, space.apart);
         let columns = space.columns();
-        let bands = self.needs(frame, work, &space).bands(self.allowance);
+        let bands = self.needs(frame, work, &space).bands(frame.allowance);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
