@@ -9,6 +9,9 @@ async function bytesOf(id) {
   const text = element(id)?.textContent;
   if (text === undefined) return null;
   element(id).remove();
+  if (!globalThis.DecompressionStream) {
+    throw new Error("this browser has no DecompressionStream, which browsers have since 2023");
+  }
   const letters = atob(text);
   const packed = new Uint8Array(letters.length);
   for (let at = 0; at < letters.length; at += 1) packed[at] = letters.charCodeAt(at);
@@ -49,10 +52,6 @@ function depthOf(disparity) {
 
 // The disparity of a depth.
 const disparityOf = (depth) => (camera.focal_px * camera.baseline_m) / depth - camera.doffs;
-
-// By how much a depth is off where its disparity is by so many pixels: Z^2 e / (f B).
-const depthError = (depth, error) =>
-  (depth * depth * error) / (camera.focal_px * camera.baseline_m);
 
 // Where pixels lie: X to the right, Y down, Z forward, in metres. Without a camera X and Y are pixels
 // from the middle, and Z is how much less the disparity is than the largest one, in pixels as well.

@@ -153,8 +153,12 @@ function point(at) {
   told.push(["Disparity", Number.isNaN(disparity) ? "none" : `${disparity.toFixed(3)} px`]);
   if (camera) {
     const [depth, error] = [space.z[at], facts.disparity_error];
-    const off = `\u00b1 ${short(depthError(depth, error), 3)} m for ${error} px`;
-    told.push(["Depth", Number.isNaN(depth) ? "none" : `${short(depth)} m ${off}`]);
+    const [near, far] = [depthOf(disparity + error), depthOf(disparity - error)];
+    const farthest = Number.isNaN(far) ? "any distance" : `${short(far)} m`;
+    told.push(["Depth", Number.isNaN(depth) ? "none" : `${short(depth)} m`]);
+    if (!Number.isNaN(depth)) {
+      told.push([`\u00b1 ${error} px are`, `${short(near)} m to ${farthest}`]);
+    }
   }
   if (maps.confidence) told.push(["Confidence", maps.confidence[at].toFixed(2)]);
   if (maps.reasons) {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use anyhow::bail;
 use formats::{Encoding, View, write_view};
 use raster::Plane;
 
@@ -19,7 +20,8 @@ use crate::ui::Ui;
 /// confidence, reason and error. Without a camera it shows a relief: pixels, as high as their disparity.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The page is one HTML file, complete in itself. It needs WebGL 2, which browsers have since 2022.
+The page is one HTML file, complete in itself. It needs WebGL 2 and DecompressionStream, which
+all browsers have since 2023.
 No point is left out: expect about 2 bytes a pixel for the disparities, 1 for the confidence, 3 for
 the image, 4 for the truth. With all of these a map of 3000 x 2000 pixels makes 40 to 60 MB, which
 browsers open within seconds, one of 450 x 375 about 1.5 MB.
@@ -68,7 +70,7 @@ pub struct Args {
 
     /// By how much disparities are off, in pixels: what that is worth in depth is told
     #[arg(long, value_name = "PX", default_value_t = 0.5, help_heading = "What is shown")]
-    #[arg(value_parser = arguments::positive)]
+    #[arg(value_parser = arguments::positive, requires = "CameraArguments")]
     disparity_error: f64,
 
     /// Where to write the page: .html
@@ -108,6 +110,16 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     }
     if let Some(truth) = &truth {
         view = view.with_truth(truth)?;
+    }
+    if view.points() == 0 {
+        let values = map.disparities.samples().iter().filter(|value| !value.is_nan()).count();
+        let why = match camera {
+            Some(_) if values > 0 => {
+                "none of its disparities is of anything in front of the cameras"
+            }
+            _ => "no pixel of it has a disparity",
+        };
+        bail!("{}: {why}, so there is nothing to show", args.disparity.display());
     }
     outputs::write_all_or_none(&[page(&args.output, &view)])?;
     if camera.is_none() {

@@ -101,11 +101,21 @@ fn what_cannot_be_shown_is_said_and_nothing_is_written() {
         ("-o view.html --focal 64", "--baseline"),
         ("-o view.html --focal 64 --baseline -1", "the camera's baseline in metres"),
         ("-o view.html --disparity-error 0", "give a number above 0"),
+        ("-o view.html --disparity-error 3", "--calibration <FILE>"),
     ] {
         folder.refuses(&format!("view walls.pfm {arguments}"), &[expected]);
     }
     // No input is an HTML file, but one may be named like one.
     std::fs::rename(folder.path("small.pfm"), folder.path("small.html")).unwrap();
+    let only = |name: &str, value: f32| {
+        formats::write_disparity(folder.path(name), &Plane::filled(5, 4, value)).unwrap();
+    };
+    only("none.pfm", f32::NAN);
+    only("behind.pfm", -3.0);
+    let nothing = "none.pfm: no pixel of it has a disparity, so there is nothing to show";
+    folder.refuses("view none.pfm -o view.html", &[nothing]);
+    let behind = "behind.pfm: none of its disparities is of anything in front of the cameras";
+    folder.refuses(&format!("view behind.pfm {CAMERA} -o view.html"), &[behind]);
     folder.refuses("view small.html -o ./small.html", &["would replace an input"]);
     assert_eq!(std::fs::read(folder.path("view.html")).unwrap(), b"what was there");
 }
@@ -280,8 +290,10 @@ fn what_is_pointed_at_is_told_and_marked_everywhere() {
     for part in [
         "column 50, row 24",
         "20.000 px",
-        // 1.6^2 * 0.5 / 32
-        "1.6 m \u{b1} 0.04 m for 0.5 px",
+        "1.6 m",
+        // 32 / 20.5 and 32 / 19.5
+        "\u{b1} 0.5 px are",
+        "1.561 m to 1.641 m",
         "0.25",
         "seen by the left camera only, filled",
         "30.000 px, off by -10.000 px",

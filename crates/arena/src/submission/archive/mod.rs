@@ -26,7 +26,11 @@ pub(super) fn unpack(path: &Path, staging: &Path) -> Result<(), SubmissionError>
     let unpacking = Unpacking { path, staging, disk: &disk, intake: Intake::new(path) };
     match first[..] {
         [0x1f, 0x8b, ..] => tarball::unpack_compressed(file, &unpacking),
-        [b'P', b'K', 3 | 5, ..] => zipped::unpack(file, &unpacking),
+        // Of an entry, of an archive without any, of one that was split.
+        [b'P', b'K', 3, 4, ..]
+        | [b'P', b'K', 5, 6, ..]
+        | [b'P', b'K', 7, 8, ..]
+        | [b'P', b'K', b'0', b'0', ..] => zipped::unpack(file, &unpacking),
         _ if tarball::is_one(&first) => tarball::unpack(file, &unpacking),
         _ => {
             let found = describe(&first);
