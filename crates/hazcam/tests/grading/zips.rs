@@ -152,3 +152,15 @@ fn a_cut_zip_is_an_error_at_every_length() {
         assert!(error.is_entrants_fault(), "{error}");
     }
 }
+
+#[test]
+fn a_zip_that_was_split_and_put_together_is_one() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let path = classroom.path("handin.zip");
+    archive(&path, &[("main.py", Text("x"))]);
+    let bytes = fs::read(&path).unwrap();
+    for mark in [b"PK00", b"PK\x07\x08"] {
+        fs::write(&path, [mark.as_slice(), &bytes].concat()).unwrap();
+        classroom.grade(&path, &[]).expect("RE", &["it has main.py: rename them"]);
+    }
+}
