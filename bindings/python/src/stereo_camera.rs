@@ -1,6 +1,6 @@
 //! `hazcam.StereoCamera`: depth and points of all pixels.
 
-use camera::StereoCamera;
+use camera::{StereoCamera, middle};
 use numpy::{PyArray2, PyArray3, ndarray};
 use pyo3::prelude::*;
 use raster::Plane;
@@ -11,8 +11,21 @@ use crate::detached::detached;
 use crate::errors::of_camera;
 use crate::planes::map;
 
-/// A camera from Python: its fields in the order of [`StereoCamera::new`].
-pub struct Camera(StereoCamera);
+/// A camera from Python.
+pub struct Camera {
+    /// With 0 where its principal point is not known.
+    camera: StereoCamera,
+    cx: Option<f64>,
+    cy: Option<f64>,
+}
+
+impl Camera {
+    /// The camera of a map of `(columns, rows)`, which it looks at the middle of unless told otherwise.
+    fn of_map(self, size: (usize, usize)) -> StereoCamera {
+        let [x, y] = middle(size);
+        StereoCamera { cx: self.cx.unwrap_or(x), cy: self.cy.unwrap_or(y), ..self.camera }
+    }
+}
 
 impl<'py> FromPyObject<'_, 'py> for Camera {
     type Error = PyErr;
@@ -20,15 +33,21 @@ impl<'py> FromPyObject<'_, 'py> for Camera {
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let number = |field: &str| real(field, &value.getattr(field)?);
         let (focal_px, baseline_m) = (number("focal_px")?, number("baseline_m")?);
-        let (doffs, cx, cy) = (number("doffs")?, number("cx")?, number("cy")?);
-        StereoCamera::new(focal_px, baseline_m, doffs, cx, cy).map(Self).map_err(of_camera)
+        let known = |field: &str| {
+            let absent = value.getattr(field)?.is_none();
+            (!absent).then(|| number(field)).transpose()
+        };
+        let (doffs, cx, cy) = (number("doffs")?, known("cx")?, known("cy")?);
+        let [x, y] = [cx, cy].map(Option::unwrap_or_default);
+        let camera = StereoCamera::new(focal_px, baseline_m, doffs, x, y).map_err(of_camera)?;
+        Ok(Self { camera, cx, cy })
     }
 }
 
 /// Raises where the fields make no camera.
 #[pyfunction]
 pub fn check_camera(camera: Camera) {
-    let Camera(_) = camera;
+    let Camera { .. } = camera;
 }
 
 /// Depth in metres of each disparity.
@@ -38,7 +57,7 @@ pub fn depth<'py>(
     camera: Camera,
     disparity: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (Camera(camera), disparities) = (camera, map("disparity", disparity)?);
+    let (Camera { camera, .. }, disparities) = (camera, map("disparity", disparity)?);
     let depths = detached(py, || camera.depth_map(&disparities))?;
     Ok(from_plane(py, depths))
 }
@@ -50,7 +69,8 @@ pub fn points<'py>(
     camera: Camera,
     disparity: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let (Camera(camera), disparities) = (camera, map("disparity", disparity)?);
+    let disparities = map("disparity", disparity)?;
+    let camera = camera.of_map(disparities.size());
     let points = detached(py, || of_pixels(&camera, &disparities))?;
     Ok(PyArray3::from_owned_array(py, points))
 }

@@ -307,6 +307,7 @@ TYPES = [
         "`max_disparity` is 'a' (str), but a number is needed",
     ),
     # Cameras and files.
+    (lambda: StereoCamera(1, 1, cx="a"), "`cx` is 'a' (str), but a number is needed"),
     (lambda: StereoCamera("a", 1), "`focal_px` is 'a' (str), but a number is needed"),
     (
         lambda: hazcam.read_image(3),

@@ -29,6 +29,18 @@ def test_points_stand_where_their_pixels_look():
     assert np.isnan(points).sum() == 3 * (241 * 721 - 2)
 
 
+def test_without_a_principal_point_cameras_look_at_the_middle_of_the_map():
+    # Z = 4 m; 5 mm a pixel: 1.5 rows and 2 columns from the middle of 4 rows x 5 columns.
+    disparity = np.full((4, 5), 50)
+    points = hazcam.StereoCamera(800, 0.25).points(disparity)
+    np.testing.assert_allclose(points[0, 0], [-0.01, -0.0075, 4], rtol=1e-6)
+    np.testing.assert_allclose(points[3, 2], [0, 0.0075, 4], rtol=1e-6)
+    points = hazcam.StereoCamera(800, 0.25, cx=0).points(disparity)
+    np.testing.assert_allclose(points[0, 4], [0.02, -0.0075, 4], rtol=1e-6)
+    points = hazcam.StereoCamera(800, 0.25, cy=0).points(disparity)
+    np.testing.assert_allclose(points[3, 4], [0.01, 0.015, 4], rtol=1e-6)
+
+
 def test_a_map_of_a_matcher_is_taken():
     values = np.full((2, 3), 50, np.float32)
     reasons = np.ones((2, 3), np.uint8)

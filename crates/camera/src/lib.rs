@@ -8,4 +8,4 @@
 
 mod stereo;
 
-pub use stereo::{CameraError, StereoCamera};
+pub use stereo::{CameraError, StereoCamera, middle};

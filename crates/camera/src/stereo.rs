@@ -25,6 +25,12 @@ pub struct CameraError {
     pub allowed: &'static str,
 }
 
+/// Column and row of the middle of an image of `(columns, rows)`, to the half pixel: the principal point
+/// where none is known.
+pub fn middle((columns, rows): (usize, usize)) -> [f64; 2] {
+    [columns, rows].map(|count| (count as f64 - 1.0) / 2.0)
+}
+
 /// A rectified pair of pinhole cameras. See the crate's documentation for the axes.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct StereoCamera {
@@ -181,6 +187,12 @@ mod tests {
     fn a_pixel_and_its_disparity_are_a_point() {
         // Z = 4 m; (720 - 320) * 4 / 800 = 2 m right, (40 - 240) * 4 / 800 = 1 m up.
         assert_eq!(camera(0.0).point(720.0, 40.0, 50.0), Some([2.0, -1.0, 4.0]));
+    }
+
+    #[test]
+    fn the_middle_is_a_pixel_or_between_two() {
+        assert_eq!(middle((5, 4)), [2.0, 1.5]);
+        assert_eq!(middle((1, 1)), [0.0, 0.0]);
     }
 
     #[test]

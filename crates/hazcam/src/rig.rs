@@ -62,10 +62,9 @@ impl CameraArguments {
         }
     }
 
-    fn stated(&self, (columns, rows): (usize, usize)) -> anyhow::Result<Option<StereoCamera>> {
+    fn stated(&self, size: (usize, usize)) -> anyhow::Result<Option<StereoCamera>> {
         let (Some(focal), Some(baseline)) = (self.focal, self.baseline) else { return Ok(None) };
-        let middle = [columns, rows].map(|count| (count as f64 - 1.0) / 2.0);
-        let [cx, cy] = self.principal.unwrap_or(middle);
+        let [cx, cy] = self.principal.unwrap_or_else(|| camera::middle(size));
         let camera = StereoCamera::new(focal, baseline, self.doffs, cx, cy);
         camera.map(Some).context("the numbers given make no camera")
     }

@@ -33,10 +33,12 @@ class StereoCamera:
     """Distance between the cameras in metres."""
     doffs: float = 0.0
     """Column of the right camera's principal point less that of the left one, in pixels."""
-    cx: float = 0.0
-    """Column of the left camera's principal point, in pixels. Points need it, depth does not."""
-    cy: float = 0.0
-    """Row of both cameras' principal points, in pixels. Points need it, depth does not."""
+    cx: float | None = None
+    """Column of the left camera's principal point, in pixels; the middle of the map unless given,
+    ``(columns - 1) / 2``. Points need it, depth does not."""
+    cy: float | None = None
+    """Row of both cameras' principal points, in pixels; the middle of the map unless given,
+    ``(rows - 1) / 2``. Points need it, depth does not."""
 
     def __post_init__(self) -> None:
         _hazcam.check_camera(self)
@@ -52,7 +54,7 @@ class StereoCamera:
         """The point X, Y, Z in metres that each pixel shows, float32 of shape (rows, columns, 3).
 
         NaN three times where :meth:`depth` is NaN: ``points[~np.isnan(points[..., 2])]`` are the
-        others.
+        others. A map of a part of the image needs ``cx`` and ``cy``: its middle is another.
         """
         return _hazcam.points(self, disparities(disparity))
 
