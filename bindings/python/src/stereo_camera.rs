@@ -79,13 +79,9 @@ pub fn points<'py>(
 fn of_pixels(camera: &StereoCamera, disparities: &Plane<f32>) -> ndarray::Array3<f32> {
     let depths = camera.depth_map(disparities);
     let (columns, rows) = depths.size();
-    let mut points = Vec::with_capacity(3 * columns * rows);
-    for y in 0..rows {
-        for (x, (&d, z)) in disparities.row(y).iter().zip(depths.row(y)).enumerate() {
-            let point = camera.point(x as f64, y as f64, f64::from(d));
-            let point = point.filter(|_| !z.is_nan()).map(|point| point.map(|c| c as f32));
-            points.extend(point.unwrap_or([f32::NAN; 3]));
-        }
-    }
-    ndarray::Array3::from_shape_vec((rows, columns, 3), points).expect("three for each pixel")
+    let mut points = Vec::with_capacity(columns * rows);
+    let pixels = camera.points(disparities, &depths);
+    points.extend(pixels.map(|point| point.unwrap_or([f32::NAN; 3])));
+    let shape = (rows, columns, 3);
+    ndarray::Array3::from_shape_vec(shape, points.into_flattened()).expect("three for each pixel")
 }

@@ -127,6 +127,27 @@ impl StereoCamera {
         let scale = depth / self.focal_px;
         Some([(x - self.cx) * scale, (y - self.cy) * scale, depth])
     }
+
+    /// The point of each pixel of a map of disparities in pixels, in the order of rows: `None` where
+    /// `depths`, those of the same pixels, have none.
+    ///
+    /// # Panics
+    ///
+    /// If the two differ in size.
+    pub fn points(
+        &self,
+        disparities: &Plane<f32>,
+        depths: &Plane<f32>,
+    ) -> impl Iterator<Item = Option<[f32; 3]>> {
+        assert_eq!(disparities.size(), depths.size(), "depths are those of the disparities");
+        let columns = disparities.columns();
+        let pixels = disparities.samples().iter().zip(depths.samples()).enumerate();
+        pixels.map(move |(at, (&disparity, depth))| {
+            let (x, y) = ((at % columns) as f64, (at / columns) as f64);
+            let point = self.point(x, y, f64::from(disparity)).filter(|_| !depth.is_nan())?;
+            Some(point.map(|coordinate| coordinate as f32))
+        })
+    }
 }
 
 #[cfg(test)]
@@ -203,6 +224,15 @@ mod tests {
         for hole in [1, 2, 4] {
             assert!(depth.samples()[hole].is_nan(), "{depth:?}");
         }
+    }
+
+    #[test]
+    fn pixels_with_a_depth_are_points_in_the_order_of_rows() {
+        let camera = StereoCamera::new(100.0, 0.5, 0.0, 1.0, 0.0).unwrap();
+        let disparities = Plane::new(2, 2, vec![25.0, f32::NAN, 10.0, 50.0]).unwrap();
+        let depths = Plane::new(2, 2, vec![2.0, f32::NAN, f32::NAN, 1.0]).unwrap();
+        let points: Vec<_> = camera.points(&disparities, &depths).collect();
+        assert_eq!(points, [Some([-0.02, 0.0, 2.0]), None, None, Some([0.0, 0.01, 1.0])]);
     }
 
     #[test]

@@ -13,14 +13,8 @@ pub fn points(
     image: Option<&Image>,
 ) -> Vec<Point> {
     let colours = colours(disparities, image);
-    let columns = depths.columns();
-    let of_pixel = |at: usize| {
-        let disparity = f64::from(disparities.samples()[at]);
-        let position = camera.point((at % columns) as f64, (at / columns) as f64, disparity)?;
-        Some(Point { position: position.map(|c| c as f32), colour: colours.samples()[at] })
-    };
-    let known = (0..depths.samples().len()).filter(|&at| !depths.samples()[at].is_nan());
-    known.filter_map(of_pixel).collect()
+    let pixels = camera.points(disparities, depths).zip(colours.samples());
+    pixels.filter_map(|(position, &colour)| Some(Point { position: position?, colour })).collect()
 }
 
 /// Those of the picture in 8 bits; without one, near is red and far is blue.
