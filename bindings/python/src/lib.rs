@@ -8,6 +8,7 @@
 mod arguments;
 mod arrays;
 mod detached;
+mod doubts;
 mod errors;
 mod files;
 mod images;

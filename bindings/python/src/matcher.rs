@@ -11,6 +11,7 @@ use raster::{BoundingBox, Image, Plane};
 use crate::arguments;
 use crate::arrays::from_plane;
 use crate::detached::detached;
+use crate::doubts;
 use crate::errors::{HazcamError, of_matching, wrong_value};
 use crate::images::image;
 
@@ -34,16 +35,19 @@ struct Answer {
     reasons: Plane<u8>,
     confidence: Plane<f32>,
     vertical: Option<Vertical>,
+    /// What is doubtful about it.
+    doubts: Vec<String>,
 }
 
 impl Answer {
-    fn of(matcher: &matching::Matcher) -> Self {
+    fn of(matcher: &matching::Matcher, doubts: Vec<String>) -> Self {
         let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
         Self {
             values: map.values.clone(),
             reasons: map.reasons.map(|&reason| reason as u8),
             confidence: map.confidence.clone(),
             vertical: vertical.map(|v| (v.coefficients(), v.root_mean_square(), v.largest())),
+            doubts,
         }
     }
 }
@@ -54,6 +58,7 @@ type Arrays<'py> = (
     Bound<'py, PyArray2<u8>>,
     Bound<'py, PyArray2<f32>>,
     Option<Vertical>,
+    Vec<String>,
 );
 
 #[pymethods]
@@ -113,6 +118,7 @@ impl Matcher {
             from_plane(py, answer.reasons),
             from_plane(py, answer.confidence),
             answer.vertical,
+            answer.doubts,
         ))
     }
 }
@@ -131,7 +137,8 @@ impl Matcher {
             None => matching::Matcher::new(self.options.clone())?,
         };
         let matched = matcher.compute(left, right, bounds).map(|_| ());
-        let answer = matched.map(|()| Answer::of(&matcher));
+        let answer =
+            matched.map(|()| Answer::of(&matcher, doubts::in_words(&matcher, left, right, bounds)));
         *kept = Some(matcher);
         answer
     }

@@ -169,7 +169,9 @@ def test_vertical_disparity_is_told():
     image = smooth.astype(np.uint8)
     left, right = image[2:, :200], image[:-2, 6:206]
     left, right = left[:126], right[:126]
-    found = hazcam.match(left, right, 32)
+    told = "things stand more than 1.5 pixels higher or lower in `right`"
+    with pytest.warns(hazcam.HazcamWarning, match=told):
+        found = hazcam.match(left, right, 32)
     vertical = found.vertical_disparity
     assert vertical is not None
     rows, columns = left.shape
@@ -180,7 +182,8 @@ def test_vertical_disparity_is_told():
     assert lower[4, 4] == pytest.approx(2, abs=0.2)
     assert vertical.root_mean_square == pytest.approx(np.sqrt(np.mean(lower**2)))
     assert vertical.largest == pytest.approx(np.abs(lower).max())
-    assert hazcam.match(left, right, 32, preset="fast").vertical_disparity is None
+    with pytest.warns(hazcam.HazcamWarning, match="hardly any pixels are matched"):
+        assert hazcam.match(left, right, 32, preset="fast").vertical_disparity is None
     left, right = dots(rows=126, columns=200)
     assert hazcam.match(left, right, 32).vertical_disparity is None
 

@@ -36,6 +36,7 @@ mod allowance;
 #[cfg(test)]
 mod chance;
 mod cost;
+mod doubt;
 mod error;
 mod ingredient;
 mod kernels;
@@ -53,6 +54,7 @@ mod threads;
 #[doc(hidden)]
 pub mod training;
 
+pub use doubt::{Doubt, doubts, few_bits};
 pub use error::MatchError;
 pub use ingredient::Ingredient;
 pub use kernels::level::Level;

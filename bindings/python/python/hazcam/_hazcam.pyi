@@ -42,6 +42,7 @@ class Matcher:
         NDArray[np.uint8],
         NDArray[np.float32],
         tuple[list[float], float, float] | None,
+        list[str],
     ]: ...
 
 def score(

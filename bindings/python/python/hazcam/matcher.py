@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _hazcam
 from .disparity_map import DisparityMap, VerticalDisparity
+from .doubts import warn
 
 Image: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
 Preset: TypeAlias = Literal["fast", "balanced", "best"]
@@ -92,8 +93,17 @@ class Matcher:
             For images that are no pair, and for a box that leaves them.
         FrameMemoryError
             For a frame that needs more memory than is allowed or there is.
+
+        Warns
+        -----
+        HazcamWarning
+            Where hardly anything matched, matches pile up at an end of the range, the images stand
+            far off vertically, or samples leave their upper bits unused. Python shows each once for
+            a line of your program.
         """
-        values, reasons, confidence, vertical = self._matcher.compute(left, right, box)
+        values, reasons, confidence, vertical, doubts = self._matcher.compute(left, right, box)
+        for doubt in doubts:
+            warn(doubt)
         mended = None
         if vertical is not None:
             (c0, c1, c2, c3, c4), root_mean_square, largest = vertical
@@ -120,7 +130,8 @@ def match(
     """The disparities of one pair, with a matcher that is made for it alone.
 
     ``left``, ``right`` and ``box`` are those of :meth:`Matcher.compute`, everything else is that of
-    :class:`Matcher`, and so are the errors. For more frames than one, make a :class:`Matcher`.
+    :class:`Matcher`, and so are errors and warnings. For more frames than one, make a
+    :class:`Matcher`.
     """
     options: dict[str, Any] = {
         "min_disparity": min_disparity,

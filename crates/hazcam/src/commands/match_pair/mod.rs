@@ -1,7 +1,6 @@
 //! `hazcam match`: two images in, a disparity map out.
 
 mod bits;
-mod doubt;
 mod outputs;
 mod profile;
 mod sidecar;
@@ -10,13 +9,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
-use matching::{Holes, Matcher, Options, Preset};
+use matching::{Doubt, Holes, Matcher, Options, Preset, VerticalDisparity, doubts};
 use raster::{BoundingBox, DisparityRange, Image};
 
 use crate::arguments;
 use crate::clock::Stopwatch;
 use crate::ui::Ui;
-use doubt::Doubt;
 use outputs::Outputs;
 use sidecar::{Inputs, Sidecar};
 
@@ -127,10 +125,6 @@ enum HolesArgument {
     Keep,
 }
 
-/// A pair with more vertical disparity than this somewhere, in pixels, was not rectified for its cameras
-/// as they are.
-const BADLY_RECTIFIED: f64 = 1.5;
-
 /// Checks everything that can be checked, matches, then writes all files or none.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let outputs = Outputs {
@@ -173,7 +167,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
-        let advice = match vertical.largest() > BADLY_RECTIFIED {
+        let advice = match vertical.largest() > VerticalDisparity::BADLY_RECTIFIED {
             true => "; rectify the cameras anew if you can",
             false => "",
         };
@@ -195,7 +189,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         100.0 * sidecar.matched(),
         if options.holes == Holes::Fill { ", the rest filled" } else { ", the rest left open" },
     ));
-    for doubt in doubt::doubts(map, bounds, options.range) {
+    for doubt in doubts(map, bounds, options.range) {
         tell(doubt, &args, options.range, ui);
     }
     if args.profile {

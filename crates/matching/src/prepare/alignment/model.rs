@@ -43,6 +43,10 @@ pub struct VerticalDisparity {
 }
 
 impl VerticalDisparity {
+    /// A pair with more than this somewhere ([`Self::largest`]), in pixels, was not rectified for its
+    /// cameras as they are.
+    pub const BADLY_RECTIFIED: f64 = 1.5;
+
     /// The shapes at a place, which runs from -0.5 to 0.5 over the image.
     #[inline(always)]
     fn shapes(x: f64, y: f64) -> [f64; SHAPES] {

@@ -1,7 +1,8 @@
 //! What makes an answer doubtful though no rule was broken: hardly anything matched, or what matched
-//! piles up at an end of the range.
+//! piles up at an end of the range, or the images have few of the grey levels that their samples can tell
+//! apart.
 
-use raster::{BoundingBox, DisparityMap, DisparityRange, Reason};
+use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
 /// With a smaller share of the answered pixels matched, the two are hardly a pair with that range. Of
 /// Middlebury's, KITTI's and ETH3D's scenes 40 % and more are matched, of exchanged images 3 to 6.
@@ -15,8 +16,12 @@ const NARROW: usize = 64;
 const MANY: f64 = 0.03;
 /// In a range of fewer disparities the last one is a large share of it, whatever is seen.
 const SHORT: usize = 16;
+/// Cameras give 10 or 12 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
+/// black. Steps of grey are what matching lives on, so it wants them over all 16 bits. Up to so many bits,
+/// the others are taken as never used.
+const FEW_BITS: u32 = 12;
 
-/// What there is to doubt.
+/// What there is to doubt about an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doubt {
     /// So small a share of the answered pixels is matched.
@@ -27,7 +32,8 @@ pub enum Doubt {
     Farther(f64),
 }
 
-/// Doubts about the answer in a box. Where hardly anything matched, it is not asked where that lies.
+/// Doubts about a matcher's answer in a box, all of which was answered, for disparities of a range. Where
+/// hardly anything matched, it is not asked where that lies.
 pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) -> Vec<Doubt> {
     let answered = bounds.columns() * bounds.rows();
     let matched = matched(map, bounds);
@@ -58,6 +64,16 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     doubts
 }
 
+/// How many of 16 bits the samples of a pair use, where they leave many unused. `None` where they do not,
+/// for samples of 8 bits, and for black images, of which there is nothing to tell.
+pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
+    if left.depth() < u16::BITS || right.depth() < u16::BITS {
+        return None;
+    }
+    let used = left.bits_used().max(right.bits_used());
+    (1..=FEW_BITS).contains(&used).then_some(used)
+}
+
 /// The disparities of the matched pixels of a box.
 fn matched(map: &DisparityMap, bounds: BoundingBox) -> Vec<f32> {
     (bounds.y0..=bounds.y1)
@@ -72,6 +88,8 @@ fn matched(map: &DisparityMap, bounds: BoundingBox) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
+    use raster::Plane;
+
     use super::*;
 
     /// The doubts about 100 columns of which some are matched, each at a disparity.
@@ -106,5 +124,17 @@ mod tests {
         assert_eq!(about(100, &at(-7.0), (-7, 40)), [Doubt::Farther(0.04)]);
         assert_eq!(about(100, &[(49, 10.0), (1, 40.0)], (0, 40)), []);
         assert_eq!(about(100, &at(14.0), (0, 14)), []);
+    }
+
+    #[test]
+    fn few_of_16_bits_are_seen_unless_one_image_uses_more() {
+        let deep = |largest| Image::Grey16(Plane::filled(2, 1, largest));
+        assert_eq!(few_bits(&deep(0x0fff), &deep(3)), Some(12));
+        assert_eq!(few_bits(&deep(0x1000), &deep(3)), None);
+        assert_eq!(few_bits(&deep(3), &deep(0x1000)), None);
+        assert_eq!(few_bits(&deep(0), &deep(0)), None);
+        let shallow = Image::Grey8(Plane::filled(2, 1, 3));
+        assert_eq!(few_bits(&deep(3), &shallow), None);
+        assert_eq!(few_bits(&shallow, &deep(3)), None);
     }
 }

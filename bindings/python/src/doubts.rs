@@ -1,0 +1,59 @@
+//! What is doubtful about an answer, in words for Python programmers.
+
+use matching::{Doubt, VerticalDisparity, doubts, few_bits};
+use raster::{BoundingBox, DisparityRange, Image};
+
+/// Says what is doubtful, what it may come from, and what to do. The same doubts about another frame
+/// have the same words, so that Python shows them once for a line of a program, not with each frame.
+pub fn in_words(
+    matcher: &matching::Matcher,
+    left: &Image,
+    right: &Image,
+    bounds: Option<BoundingBox>,
+) -> Vec<String> {
+    let range = matcher.options().range;
+    let bounds = bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
+    let mut words: Vec<String> = few_bits(left, right).map(of_bits).into_iter().collect();
+    words.extend(matcher.vertical_disparity().and_then(of_rows));
+    words.extend(doubts(matcher.map(), bounds, range).into_iter().map(|doubt| of(doubt, range)));
+    words
+}
+
+fn of_bits(used: u32) -> String {
+    let unused = u16::BITS - used;
+    format!(
+        "of the 16 bits of `left` and `right` the upper {unused} are never used, which makes \
+         matches worse; if the camera gives {used} bits, give left << numpy.uint16({unused}) and \
+         the right one alike"
+    )
+}
+
+fn of_rows(vertical: &VerticalDisparity) -> Option<String> {
+    let limit = VerticalDisparity::BADLY_RECTIFIED;
+    (vertical.largest() > limit).then(|| {
+        format!(
+            "things stand more than {limit} pixels higher or lower in `right` than in `left`, which \
+             was mended (`vertical_disparity` tells how far); rectify the cameras anew if you can"
+        )
+    })
+}
+
+fn of(doubt: Doubt, range: DisparityRange) -> String {
+    let (min, max) = (range.min(), range.max());
+    match doubt {
+        Doubt::HardlyMatched(_) => format!(
+            "hardly any pixels are matched, so this is hardly an answer. Either `left` is not the \
+             left image of the two (exchange them), or things lie outside disparities {min} to {max} \
+             (raise `max_disparity`, lower `min_disparity`), or the two are no rectified pair of one \
+             scene (rectify them), or they have no texture"
+        ),
+        Doubt::Nearer(_) => format!(
+            "many of the matched pixels lie at the largest disparity, {max}: there may be nearer \
+             things that are missed; raise `max_disparity`"
+        ),
+        Doubt::Farther(_) => format!(
+            "many of the matched pixels lie at the smallest disparity, {min}: there may be farther \
+             things that are missed; lower `min_disparity`"
+        ),
+    }
+}

@@ -1,0 +1,79 @@
+"""What looks like a mistake is warned of, at the line that made it."""
+
+import warnings
+
+import numpy as np
+import pytest
+from pairs import dots
+
+import hazcam
+from hazcam.course import stereo_disparity_fast
+
+
+def told(call):
+    """What is warned of, always from this file."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        call()
+    assert all(issubclass(one.category, hazcam.HazcamWarning) for one in caught)
+    assert all(one.filename == __file__ for one in caught)
+    return [str(one.message) for one in caught]
+
+
+@pytest.mark.parametrize("preset", ["fast", "balanced", "best"])
+def test_a_sound_pair_is_not_doubted(preset):
+    left, right = dots()
+    assert told(lambda: hazcam.match(left, right, 32, preset=preset)) == []
+
+
+def test_a_pair_of_which_hardly_anything_matches_is_doubted():
+    (left, _), (_, right) = dots(seed=1), dots(seed=2)
+    expected = (
+        "hardly any pixels are matched, so this is hardly an answer. Either `left` is not the left "
+        "image of the two (exchange them), or things lie outside disparities -3 to 32 (raise "
+        "`max_disparity`, lower `min_disparity`), or the two are no rectified pair of one scene "
+        "(rectify them), or they have no texture"
+    )
+    matcher = hazcam.Matcher("balanced", 32, min_disparity=-3)
+    assert told(lambda: matcher.compute(left, right)) == [expected]
+    # The part that is answered counts.
+    left[:, :20] = right[:, :20] = 0
+    assert told(lambda: matcher.compute(left, right, box=(20, 0, 119, 59))) == [expected]
+    assert told(lambda: matcher.compute(left, right, box=(0, 0, 50, 59))) == []
+
+
+def test_matches_at_an_end_of_the_range_are_doubted():
+    left, right = dots(shift=20)
+    nearer = (
+        "many of the matched pixels lie at the largest disparity, 20: there may be nearer things "
+        "that are missed; raise `max_disparity`"
+    )
+    assert told(lambda: hazcam.match(left, right, 20, preset="fast")) == [nearer]
+    farther = (
+        "many of the matched pixels lie at the smallest disparity, 20: there may be farther things "
+        "that are missed; lower `min_disparity`"
+    )
+    assert told(lambda: hazcam.match(left, right, 40, min_disparity=20, preset="fast")) == [farther]
+    bbox = [[0, 119], [0, 59]]
+    floats = left.astype(np.float32), right.astype(np.float32)
+    assert told(lambda: stereo_disparity_fast(*floats, bbox, 20)) == [nearer]
+
+
+def test_bits_that_are_never_used_are_told_with_a_remedy():
+    left, right = (image.astype(np.uint16) << np.uint16(4) for image in dots())
+    [words] = told(lambda: hazcam.match(left, right, 32))
+    assert words == (
+        "of the 16 bits of `left` and `right` the upper 4 are never used, which makes matches "
+        "worse; if the camera gives 12 bits, give left << numpy.uint16(4) and the right one alike"
+    )
+    left, right = left << np.uint16(4), right << np.uint16(4)
+    assert told(lambda: hazcam.match(left, right, 32)) == []
+
+
+def test_frames_with_the_same_doubt_are_told_of_once():
+    matcher = hazcam.Matcher("fast", 20)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default")
+        for seed in range(3):
+            matcher.compute(*dots(shift=20, seed=seed))
+    assert len(caught) == 1
