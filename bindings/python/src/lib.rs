@@ -34,6 +34,7 @@ mod _hazcam {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("FARTHEST", matching::Options::FARTHEST)?;
         // For the test that `hazcam.Reason` has them all.
         let reasons = PyDict::new(module.py());
         for reason in raster::Reason::ALL {

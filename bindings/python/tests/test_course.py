@@ -39,6 +39,27 @@ def test_fractions_are_rounded_as_where_grey_is_made_of_colours():
     assert np.array_equal(found, expected.values)
 
 
+def test_black_and_white_of_0_and_1_are_grey_values():
+    # Nothing says that white is 1 here: they are nearly black.
+    Il = np.zeros((6, 9), np.float32)
+    Il[::2] = 1
+    assert stereo_disparity_fast(Il, Il, [[0, 8], [0, 5]], 16383).shape == (6, 9)
+
+
+def test_one_thread_does_the_work(monkeypatch):
+    made = []
+
+    class Watched(hazcam.Matcher):
+        def __init__(self, *arguments, **options):
+            made.append(options["threads"])
+            super().__init__(*arguments, **options)
+
+    monkeypatch.setattr("hazcam.matcher.Matcher", Watched)
+    for function in (stereo_disparity_fast, stereo_disparity_best):
+        function(*(image.astype(np.float32) for image in dots()), BBOX, 32)
+    assert made == [1, 1]
+
+
 @pytest.mark.parametrize("dtype", [np.float64, np.uint8, np.int32])
 def test_other_numbers_are_taken_too(dtype):
     left, right = (image.astype(dtype) for image in dots())

@@ -42,6 +42,11 @@ IN_DISPARITIES = (
 )
 MASK = "a mask is a numpy array of bool with shape (rows, columns), True where to score"
 COURSE_IMAGE = "a numpy array of grey values from 0 to 255 with shape (rows, columns) is needed"
+COURSE_PIXELS = "a whole number of pixels from 0 to 16383 is needed"
+COURSE_SIDES = (
+    "in an image of 6 rows x 9 columns [[x0, x1], [y0, y1]] must have 0 <= x0 <= x1 < 9 and "
+    "0 <= y0 <= y1 < 6"
+)
 COURSE_BOX = (
     "2 x 2 whole numbers [[x0, x1], [y0, y1]] are needed: first and last column, first and last "
     "row, all part of the box"
@@ -207,8 +212,27 @@ VALUES = [
         f"`bbox` is [[0, 1], [0]], but {COURSE_BOX}",
     ),
     (
-        lambda: for_course(maxd=-1),
-        "`maxd` is -1, but a whole number of pixels, 0 or more, is needed",
+        lambda: for_course(bbox=[[-1, 1], [0, 1]]),
+        f"`bbox` is [[-1, 1], [0, 1]], but {COURSE_SIDES}",
+    ),
+    (
+        lambda: for_course(bbox=[[0, 1], [2, 1]]),
+        f"`bbox` is [[0, 1], [2, 1]], but {COURSE_SIDES}",
+    ),
+    (
+        lambda: for_course(bbox=[[0, 9], [0, 1]]),
+        f"`bbox` is [[0, 9], [0, 1]], but {COURSE_SIDES}",
+    ),
+    (
+        lambda: for_course(bbox=np.array([[0, 8], [0, 6]])),
+        f"`bbox` is [[0, 8], [0, 6]], but {COURSE_SIDES}",
+    ),
+    (lambda: for_course(maxd=-1), f"`maxd` is -1, but {COURSE_PIXELS}"),
+    (lambda: for_course(maxd=16384), f"`maxd` is 16384, but {COURSE_PIXELS}"),
+    (
+        lambda: for_course(Ir=np.linspace(0, 1, 54).reshape(6, 9)),
+        "`Ir` is from 0 to 1 everywhere, as where white is 1, but "
+        f"{COURSE_IMAGE}: give 255 * Ir",
     ),
 ]
 
@@ -322,7 +346,7 @@ TYPES = [
     (lambda: for_course(Ir=GREY > 0), f"`Ir` is of bool, but {COURSE_IMAGE}"),
     (
         lambda: for_course(maxd=4.0),
-        "`maxd` is 4.0, but a whole number of pixels, 0 or more, is needed",
+        f"`maxd` is 4.0, but {COURSE_PIXELS}",
     ),
 ]
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from .matcher import Image
 
 __all__ = [
+    "FARTHEST",
     "REASONS",
     "Matcher",
     "__version__",
@@ -21,6 +22,7 @@ __all__ = [
 ]
 
 __version__: str
+FARTHEST: int
 REASONS: dict[str, int]
 
 @final

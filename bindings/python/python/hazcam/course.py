@@ -4,6 +4,8 @@ They take the grey images that the course hands out, float32 from 0 to 255 with 
 mode ``F``), and its box, ``[[x0, x1], [y0, y1]]``. A submission needs one line for each::
 
     from hazcam.course import stereo_disparity_fast
+
+They run on one thread, as the course's limit of CPU time counts those of all.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._hazcam import FARTHEST
 from .errors import ArgumentError, ArgumentTypeError
 from .matcher import Preset, match
 
@@ -32,7 +35,7 @@ def stereo_disparity_fast(
         2 x 2 whole numbers ``[[x0, x1], [y0, y1]]``: first and last column, first and last row to
         answer, all part of the box.
     maxd
-        Disparities from 0 to this are searched, in pixels.
+        Disparities from 0 to this are searched, in pixels; at most 16383.
 
     Returns
     -------
@@ -44,6 +47,11 @@ def stereo_disparity_fast(
     ------
     ArgumentError, ArgumentTypeError
         For anything else; the message says what is needed.
+
+    Warns
+    -----
+    HazcamWarning
+        As :meth:`hazcam.Matcher.compute`, whose ``max_disparity`` is ``maxd``.
     """
     return _stereo_disparity("fast", Il, Ir, bbox, maxd)
 
@@ -59,7 +67,8 @@ def _stereo_disparity(
     preset: Preset, Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: int
 ) -> NDArray[np.float32]:
     left, right = _grey("Il", Il), _grey("Ir", Ir)
-    found = match(left, right, _largest(maxd), box=_box(bbox), preset=preset)
+    box = _box(bbox, left.shape)
+    found = match(left, right, _largest(maxd), box=box, preset=preset, threads=1)
     return np.nan_to_num(found.values, copy=False, nan=0.0)
 
 
@@ -76,32 +85,43 @@ def _grey(name: str, image: NDArray[Any]) -> NDArray[np.uint8]:
         raise ArgumentError(
             f"`{name}` is {image[tuple(at)]} at column {at[1]}, row {at[0]}, but {needed}"
         )
+    if image.size > 0 and image.max() <= 1 and np.any(image % 1 != 0):
+        raise ArgumentError(
+            f"`{name}` is from {image.min():g} to {image.max():g} everywhere, as where white is 1, "
+            f"but {needed}: give 255 * {name}"
+        )
     return np.floor(image + np.float32(0.5)).clip(0, 255).astype(np.uint8)
 
 
-def _box(bbox: ArrayLike) -> tuple[int, int, int, int]:
-    """The course's box as hazcam has it."""
+def _box(bbox: ArrayLike, shape: tuple[int, ...]) -> tuple[int, int, int, int]:
+    """The course's box as hazcam has it, for images of this shape."""
+    needed = "[[x0, x1], [y0, y1]]"
     try:
         sides = np.asarray(bbox)
     except ValueError:  # Lists of several lengths.
         sides = np.empty(0)
     if sides.shape != (2, 2) or sides.dtype.kind not in "iu":
         raise ArgumentError(
-            f"`bbox` is {bbox!r}, but 2 x 2 whole numbers [[x0, x1], [y0, y1]] are "
-            "needed: first and "
-            "last column, first and last row, all part of the box"
+            f"`bbox` is {bbox!r}, but 2 x 2 whole numbers {needed} are needed: first and last "
+            "column, first and last row, all part of the box"
         )
     (x0, x1), (y0, y1) = sides.tolist()
+    rows, columns = shape
+    if not (0 <= x0 <= x1 < columns and 0 <= y0 <= y1 < rows):
+        raise ArgumentError(
+            f"`bbox` is {[[x0, x1], [y0, y1]]}, but in an image of {rows} rows x {columns} columns "
+            f"{needed} must have 0 <= x0 <= x1 < {columns} and 0 <= y0 <= y1 < {rows}"
+        )
     return x0, y0, x1, y1
 
 
 def _largest(maxd: int) -> int:
     """The largest disparity, where it is one."""
-    needed = "a whole number of pixels, 0 or more, is needed"
+    needed = f"a whole number of pixels from 0 to {FARTHEST} is needed"
     try:
         largest = operator.index(maxd)
     except TypeError:
         raise ArgumentTypeError(f"`maxd` is {maxd!r}, but {needed}") from None
-    if largest < 0:
+    if not 0 <= largest <= FARTHEST:
         raise ArgumentError(f"`maxd` is {maxd!r}, but {needed}")
     return largest
