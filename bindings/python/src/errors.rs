@@ -67,10 +67,16 @@ pub fn of_camera(error: CameraError) -> PyErr {
 pub fn of_file(error: FormatError) -> PyErr {
     let message = error.to_string();
     match error {
-        FormatError::Read { source, .. } if source.kind() == io::ErrorKind::NotFound => {
-            MissingFileError::new_err(message)
+        FormatError::Read { path, source } if source.kind() == io::ErrorKind::NotFound => {
+            MissingFileError::new_err((source.raw_os_error(), message, path.into_os_string()))
         }
-        FormatError::Read { .. } | FormatError::Write { .. } => FileAccessError::new_err(message),
+        FormatError::Read { path, source } => {
+            FileAccessError::new_err((source.raw_os_error(), message, path.into_os_string()))
+        }
+        FormatError::Write { path, source, .. } => {
+            let number = source.and_then(|source| source.raw_os_error());
+            FileAccessError::new_err((number, message, path.into_os_string()))
+        }
         FormatError::Malformed { .. }
         | FormatError::TooLarge { .. }
         | FormatError::WrongKind { .. } => FileContentError::new_err(message),

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::arguments::{path, text};
 use crate::arrays::from_plane;
 use crate::detached::detached;
-use crate::errors::of_file;
+use crate::errors::{of_file, wrong_value};
 use crate::images::from_image;
 use crate::planes::map;
 
@@ -42,6 +42,11 @@ pub fn write_disparity(
     disparity: &Bound<'_, PyAny>,
 ) -> PyResult<()> {
     let (path, values) = (self::path("path", path)?, map("disparity", disparity)?);
+    if values.samples().is_empty() {
+        let (columns, rows) = values.size();
+        let what = format!("a map of {rows} rows x {columns} columns");
+        return Err(wrong_value("disparity", what, "at least 1 x 1 is needed"));
+    }
     detached(py, || formats::write_disparity(path, &values))?.map_err(of_file)
 }
 

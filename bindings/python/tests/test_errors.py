@@ -1,5 +1,8 @@
 """What is wrong is named, with what was given, what is allowed, and the remedy."""
 
+import errno
+import pickle
+
 import numpy as np
 import pytest
 
@@ -180,6 +183,10 @@ VALUES = [
     (
         lambda: score(MAP, MAP, mask=GREY[0] > 0),
         f"`mask` is an array of bool with shape (9,), but {MASK}",
+    ),
+    (
+        lambda: hazcam.write_disparity("never.pfm", MAP[:0]),
+        "`disparity` is a map of 0 rows x 9 columns, but at least 1 x 1 is needed",
     ),
     # Cameras.
     (
@@ -408,9 +415,19 @@ def test_files_that_cannot_be_used_are_told(tmp_path):
     assert isinstance(error.value, FileNotFoundError)
     assert isinstance(error.value, hazcam.FileAccessError)
     assert str(error.value).startswith(f"cannot read {missing}: ")
+    assert (error.value.errno, error.value.filename) == (errno.ENOENT, str(missing))
+    again = pickle.loads(pickle.dumps(error.value))
+    assert (str(again), again.errno) == (str(error.value), errno.ENOENT)
 
-    with pytest.raises(hazcam.FileAccessError, match="does not exist; create it first"):
+    with pytest.raises(hazcam.FileAccessError, match="does not exist; create it first") as error:
         hazcam.write_disparity(tmp_path / "no" / "d.pfm", MAP)
+    assert error.value.filename == str(tmp_path / "no" / "d.pfm")
+    with pytest.raises(hazcam.FileAccessError) as error:
+        hazcam.read_image(tmp_path)
+    assert str(error.value).startswith(f"cannot read {tmp_path}: ")
+    assert error.value.filename == str(tmp_path)
+    text = hazcam.FileAccessError("in words of one's own")
+    assert (str(text), text.errno) == ("in words of one's own", None)
 
     damaged = tmp_path / "damaged.png"
     damaged.write_bytes(b"\x89PNG\r\n\x1a\n1234")

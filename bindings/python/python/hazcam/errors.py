@@ -21,7 +21,14 @@ class FrameMemoryError(HazcamError, MemoryError):
 
 
 class FileAccessError(HazcamError, OSError):
-    """A file cannot be read or written. Nothing half-written is left behind."""
+    """A file cannot be read or written. Nothing half-written is left behind.
+
+    ``filename`` is the file, ``errno`` the system's number, ``None`` where there is none.
+    """
+
+    def __str__(self) -> str:
+        # Python's own would put number and file around a message that names the file.
+        return super().__str__() if self.strerror is None else self.strerror
 
 
 class MissingFileError(FileAccessError, FileNotFoundError):
