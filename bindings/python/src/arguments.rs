@@ -76,7 +76,8 @@ pub fn real(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
 /// A text.
 pub fn text(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<String> {
     let text = value.cast::<PyString>().map_err(|_| wrong_type(name, shown(value), allowed))?;
-    text.extract()
+    // Half of a surrogate pair is no text, but a `str` holds it.
+    text.extract().map_err(|_| wrong_value(name, shown(value), allowed))
 }
 
 /// What becomes of pixels without a trustworthy match.

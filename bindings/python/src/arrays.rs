@@ -4,11 +4,12 @@ use numpy::{
     Element, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
     PyUntypedArrayMethods, ndarray,
 };
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use raster::Plane;
 
-use crate::arguments::{shown, type_name};
-use crate::errors::{wrong_type, wrong_value};
+use crate::arguments::shown;
+use crate::errors::{FrameMemoryError, wrong_type, wrong_value};
 
 /// `value` as an array, whatever is in it. `needed` says what would be right.
 pub fn array<'a, 'py>(
@@ -21,7 +22,7 @@ pub fn array<'a, 'py>(
         return Err(wrong_type(name, shown(value), remedy));
     };
     // Its copies and views would forget what is masked.
-    if type_name(value) == "MaskedArray" {
+    if value.is_instance(&value.py().import("numpy.ma")?.getattr("MaskedArray")?)? {
         let remedy = format!("{needed}: {name}.filled(...) says what stands where it is masked");
         return Err(wrong_type(name, "a masked array", remedy));
     }
@@ -55,6 +56,7 @@ pub fn kind(array: &Bound<'_, PyUntypedArray>) -> char {
 /// Hands all samples on in the order of rows. They are copied before where they do not lie so: strided,
 /// in Fortran's order, or off their alignment.
 pub fn with_samples<T: Element, U>(
+    name: &str,
     array: &Bound<'_, PyArrayDyn<T>>,
     take: impl FnOnce(&[T]) -> U,
 ) -> PyResult<U> {
@@ -63,9 +65,30 @@ pub fn with_samples<T: Element, U>(
     {
         return Ok(take(samples));
     }
-    let copy = array.call_method1("copy", ("C",))?.cast_into::<PyArrayDyn<T>>()?;
+    let copy = copied(name, array.as_untyped(), "copy", "C")?.cast_into::<PyArrayDyn<T>>()?;
     let copy = copy.try_readonly()?;
     Ok(take(copy.as_slice()?))
+}
+
+/// A copy that numpy makes, by one of its methods: of a view, which may show few samples many times, it
+/// may need more memory than there is.
+pub fn copied<'py>(
+    name: &str,
+    array: &Bound<'py, PyUntypedArray>,
+    method: &str,
+    argument: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    array.call_method1(method, (argument,)).map_err(|error| {
+        // The second for more bytes than there are addresses.
+        let py = array.py();
+        let too_large =
+            error.is_instance_of::<PyMemoryError>(py) || error.is_instance_of::<PyValueError>(py);
+        if !too_large {
+            return error;
+        }
+        let what = described(array);
+        FrameMemoryError::new_err(format!("`{name}` is {what}, for whose copy there is no memory"))
+    })
 }
 
 /// A plane as an array of rows and columns, which keeps its memory.

@@ -1,5 +1,6 @@
 //! Images between numpy arrays and [`Image`].
 
+use matching::{MOST_PIXELS, MatchError};
 use numpy::{
     Element, PyArrayDescrMethods, PyArrayDyn, PyUntypedArray, PyUntypedArrayMethods, ToPyArray,
     ndarray,
@@ -8,7 +9,7 @@ use pyo3::prelude::*;
 use raster::{Image, Plane};
 
 use crate::arrays::{array, described, from_plane, kind, with_samples};
-use crate::errors::{wrong_type, wrong_value};
+use crate::errors::{of_matching, wrong_type, wrong_value};
 
 const NEEDED: &str = "an image is a numpy array of uint8 or uint16";
 const SHAPE: &str = "an image has shape (rows, columns) for grey, or (rows, columns, 3) for red, green \
@@ -22,36 +23,43 @@ pub fn image(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Image> {
         [rows, columns, 3] => (rows, columns, true),
         _ => return Err(wrong_value(name, described(array), wrong_shape(name, array.shape()))),
     };
+    // A view may show few samples many times: before it is copied, its size is looked at.
+    if columns.checked_mul(rows).is_none_or(|pixels| pixels > MOST_PIXELS) {
+        let error = MatchError::TooLarge { columns, rows, limit: MOST_PIXELS };
+        return Err(of_matching(error));
+    }
     if let Ok(samples) = array.cast::<PyArrayDyn<u8>>() {
         return match coloured {
-            false => Ok(Image::Grey8(grey(samples, columns, rows)?)),
-            true => Ok(Image::Rgb8(colour(samples, columns, rows)?)),
+            false => Ok(Image::Grey8(grey(name, samples, columns, rows)?)),
+            true => Ok(Image::Rgb8(colour(name, samples, columns, rows)?)),
         };
     }
     if let Ok(samples) = array.cast::<PyArrayDyn<u16>>() {
         return match coloured {
-            false => Ok(Image::Grey16(grey(samples, columns, rows)?)),
-            true => Ok(Image::Rgb16(colour(samples, columns, rows)?)),
+            false => Ok(Image::Grey16(grey(name, samples, columns, rows)?)),
+            true => Ok(Image::Rgb16(colour(name, samples, columns, rows)?)),
         };
     }
     Err(wrong_type(name, described(array), wrong_samples(name, array)))
 }
 
 fn grey<T: Element + Copy>(
+    name: &str,
     samples: &Bound<'_, PyArrayDyn<T>>,
     columns: usize,
     rows: usize,
 ) -> PyResult<Plane<T>> {
-    let samples = with_samples(samples, <[T]>::to_vec)?;
+    let samples = with_samples(name, samples, <[T]>::to_vec)?;
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
 }
 
 fn colour<T: Element + Copy>(
+    name: &str,
     samples: &Bound<'_, PyArrayDyn<T>>,
     columns: usize,
     rows: usize,
 ) -> PyResult<Plane<[T; 3]>> {
-    let samples = with_samples(samples, |samples| samples.as_chunks().0.to_vec())?;
+    let samples = with_samples(name, samples, |samples| samples.as_chunks().0.to_vec())?;
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
 }
 

@@ -35,6 +35,7 @@ mod _hazcam {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("FARTHEST", matching::Options::FARTHEST)?;
+        module.add("MOST_PIXELS", matching::MOST_PIXELS)?;
         // For the test that `hazcam.Reason` has them all.
         let reasons = PyDict::new(module.py());
         for reason in raster::Reason::ALL {

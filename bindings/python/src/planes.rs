@@ -4,7 +4,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use raster::Plane;
 
-use crate::arrays::{array, described, kind, size, with_samples};
+use crate::arrays::{array, copied, described, kind, size, with_samples};
 use crate::errors::{wrong_type, wrong_value};
 
 const MAP: &str = "a map of disparities is a numpy array of numbers with shape (rows, columns), in pixels, \
@@ -20,10 +20,10 @@ pub fn map(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<f32>> {
     }
     let (rows, columns) = size(name, array, MAP)?;
     let samples = match array.cast::<PyArrayDyn<f32>>() {
-        Ok(samples) => with_samples(samples, <[f32]>::to_vec)?,
+        Ok(samples) => with_samples(name, samples, <[f32]>::to_vec)?,
         Err(_) => {
-            let wide = array.call_method1("astype", ("float64",))?;
-            with_samples(wide.cast::<PyArrayDyn<f64>>()?, |samples| {
+            let wide = copied(name, array, "astype", "float64")?;
+            with_samples(name, wide.cast::<PyArrayDyn<f64>>()?, |samples| {
                 narrow(name, columns, samples)
             })??
         }
@@ -50,6 +50,6 @@ pub fn mask(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<bool>> {
         return Err(wrong_type(name, described(array), remedy));
     };
     let (rows, columns) = size(name, array, MASK)?;
-    let samples = with_samples(samples, <[bool]>::to_vec)?;
+    let samples = with_samples(name, samples, <[bool]>::to_vec)?;
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
 }

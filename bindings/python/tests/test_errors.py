@@ -17,6 +17,10 @@ def image(*shape, dtype=np.uint8):
     return np.zeros(shape, dtype)
 
 
+class Masked(np.ma.MaskedArray):
+    """A kind of masked arrays of somebody's own."""
+
+
 def fast(left=GREY, right=GREY, box=None):
     return match(left, right, 4, preset="fast", box=box)
 
@@ -58,6 +62,10 @@ COURSE_BOX = (
 VALUES = [
     # Options.
     (lambda: Matcher("bst"), "`preset` is `bst`, but it must be one of fast, balanced, best"),
+    (
+        lambda: Matcher("\ud800"),
+        "`preset` is '\\ud800' (str), but it must be one of fast, balanced, best",
+    ),
     (lambda: Matcher("fast", 20000), f"`max_disparity` is 20000, but {RANGE}"),
     (lambda: Matcher("fast", 2**40), f"`max_disparity` is 1099511627776, but {RANGE}"),
     (lambda: Matcher("fast", 10**20), f"`max_disparity` is 1{20 * '0'} (int), but {RANGE}"),
@@ -136,6 +144,16 @@ VALUES = [
         "the images have no pixels: at least 1 x 1 is needed",
     ),
     (
+        lambda: fast(right=np.broadcast_to(GREY[:1, :1], (2**20, 2**20))),
+        "the images have 1048576 x 1048576 pixels, but at most 2147483647 can be matched at a "
+        "time: cut them into tiles",
+    ),
+    (
+        lambda: fast(left=np.broadcast_to(image(1, 1, 3), (2**32, 2**26, 3))),
+        "the images have 67108864 x 4294967296 pixels, but at most 2147483647 can be matched at a "
+        "time: cut them into tiles",
+    ),
+    (
         lambda: fast(right=GREY.astype(np.uint16)),
         "`right` is of 16 bits a sample, but `left` is of 8: a pair is of one kind",
     ),
@@ -197,6 +215,10 @@ VALUES = [
     (
         lambda: for_course(Il=image(6, 9, 1)),
         f"`Il` has shape (6, 9, 1), but {COURSE_IMAGE}",
+    ),
+    (
+        lambda: for_course(Il=np.broadcast_to(GREY[:1, :1], (2**20, 2**20))),
+        "`Il` has shape (1048576, 1048576), but at most 2147483647 pixels can be matched",
     ),
     (
         lambda: for_course(Ir=GREY + 256.0),
@@ -305,6 +327,11 @@ TYPES = [
         f"`left` is a masked array, but {IMAGE}: left.filled(...) says what "
         "stands where it is masked",
     ),
+    (
+        lambda: fast(right=np.ma.masked_equal(GREY, 0).view(Masked)),
+        f"`right` is a masked array, but {IMAGE}: right.filled(...) says what "
+        "stands where it is masked",
+    ),
     # Boxes.
     (
         lambda: fast(box=[[0, 1], [0, 1]]),
@@ -399,6 +426,18 @@ def test_memory_that_does_not_do_is_told():
     )
     # It is fit for what does fit.
     assert Matcher("fast", 4, memory=1_000_000).compute(GREY, GREY).values.shape == (6, 9)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float16])
+def test_a_map_that_cannot_be_copied_is_named(dtype):
+    # One number, seen more often than there are addresses.
+    endless = np.broadcast_to(np.ones((1, 1), dtype), (2**30, 2**30))
+    with pytest.raises(hazcam.FrameMemoryError) as error:
+        hazcam.score(MAP, endless)
+    assert str(error.value) == (
+        f"`truth` is an array of {np.dtype(dtype)} with shape (1073741824, 1073741824), for whose "
+        "copy there is no memory"
+    )
 
 
 def test_a_matcher_answers_after_an_error():

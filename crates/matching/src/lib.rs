@@ -63,3 +63,6 @@ pub use matcher::Matcher;
 pub use options::{Holes, Options, Preset};
 pub use prepare::alignment::VerticalDisparity;
 pub use profile::Stage;
+
+/// The most pixels that an image may have: more are answered by [`MatchError::TooLarge`].
+pub const MOST_PIXELS: usize = refinement::groups::LARGEST;

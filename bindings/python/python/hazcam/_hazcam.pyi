@@ -8,6 +8,7 @@ from .matcher import Image
 
 __all__ = [
     "FARTHEST",
+    "MOST_PIXELS",
     "REASONS",
     "Matcher",
     "__version__",
@@ -23,6 +24,7 @@ __all__ = [
 
 __version__: str
 FARTHEST: int
+MOST_PIXELS: int
 REASONS: dict[str, int]
 
 @final

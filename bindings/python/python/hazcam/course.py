@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._hazcam import FARTHEST
+from ._hazcam import FARTHEST, MOST_PIXELS
 from .errors import ArgumentError, ArgumentTypeError
 from .matcher import Preset, match
 
@@ -80,6 +80,10 @@ def _grey(name: str, image: NDArray[Any]) -> NDArray[np.uint8]:
         raise ArgumentTypeError(f"`{name}` is {kind}, but {needed}")
     if image.ndim != 2:
         raise ArgumentError(f"`{name}` has shape {image.shape}, but {needed}")
+    if image.size > MOST_PIXELS:
+        raise ArgumentError(
+            f"`{name}` has shape {image.shape}, but at most {MOST_PIXELS} pixels can be matched"
+        )
     if not np.all((image >= 0) & (image <= 255)):
         at = np.argwhere(~((image >= 0) & (image <= 255)))[0]
         raise ArgumentError(

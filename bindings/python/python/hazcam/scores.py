@@ -73,6 +73,8 @@ def score(
     ------
     ArgumentError, ArgumentTypeError
         For arrays that are no maps or differ in size, and where no truth is known.
+    FrameMemoryError
+        For views of more numbers than there is memory for.
 
     Warns
     -----
