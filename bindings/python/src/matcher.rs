@@ -111,6 +111,14 @@ impl Matcher {
             let allowed = format!("`left` is of {}: a pair is of one kind", left.depth());
             return Err(wrong_value("right", what, allowed));
         }
+        if is_coloured(&left) != is_coloured(&right) {
+            let kind = |image| if is_coloured(image) { "coloured" } else { "grey" };
+            let allowed = format!(
+                "`left` is {}: a pair is of one kind; read both alike, or make both grey",
+                kind(&left)
+            );
+            return Err(wrong_value("right", kind(&right), allowed));
+        }
         let bounds = arguments::bounding_box(r#box)?;
         let answer = detached(py, || self.answer(&left, &right, bounds))?.map_err(of_matching)?;
         Ok((
@@ -121,6 +129,10 @@ impl Matcher {
             answer.doubts,
         ))
     }
+}
+
+fn is_coloured(image: &Image) -> bool {
+    matches!(image, Image::Rgb8(_) | Image::Rgb16(_))
 }
 
 impl Matcher {

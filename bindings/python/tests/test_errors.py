@@ -157,6 +157,16 @@ VALUES = [
         lambda: fast(right=GREY.astype(np.uint16)),
         "`right` is of 16 bits a sample, but `left` is of 8: a pair is of one kind",
     ),
+    (
+        lambda: fast(right=image(6, 9, 3)),
+        "`right` is coloured, but `left` is grey: a pair is of one kind; read both alike, or make "
+        "both grey",
+    ),
+    (
+        lambda: fast(left=image(6, 9, 3)),
+        "`right` is grey, but `left` is coloured: a pair is of one kind; read both alike, or make "
+        "both grey",
+    ),
     # Boxes.
     (
         lambda: fast(box=(-1, 0, 3, 3)),
@@ -411,8 +421,8 @@ def test_what_is_shown_of_a_value_is_short():
 def test_what_a_remedy_says_helps():
     right = np.full((6, 9), 99.6)
     assert fast(right=np.rint(right).astype(np.uint8)).values.shape == (6, 9)
-    assert fast(right=np.moveaxis(image(3, 6, 9), 0, -1)).values.shape == (6, 9)
-    assert fast(right=image(6, 9, 4)[..., :3]).values.shape == (6, 9)
+    moved, without_alpha = np.moveaxis(image(3, 6, 9), 0, -1), image(6, 9, 4)[..., :3]
+    assert fast(moved, without_alpha).values.shape == (6, 9)
 
 
 def test_memory_that_does_not_do_is_told():
