@@ -4,8 +4,8 @@ import copy
 import os
 import pickle
 import signal
+import sys
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -28,27 +28,42 @@ def test_threads_share_a_matcher():
                 assert found.reasons.tobytes() == answer.reasons.tobytes()
 
 
-def test_python_goes_on_while_a_pair_is_matched():
-    matcher = hazcam.Matcher("best", 128, threads=1)
-    left, right = dots(rows=300, columns=700)
-    times = []
-    done = threading.Event()
+@pytest.fixture
+def no_turns():
+    """A thread keeps Python to itself until it waits for something, or gives it away."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1000)
+    yield
+    sys.setswitchinterval(before)
 
-    def watch():
-        while not done.is_set():
-            times.append(time.monotonic())
-            time.sleep(0.002)
 
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    begin = time.monotonic()
-    matcher.compute(left, right)
-    end = time.monotonic()
-    done.set()
-    watcher.join()
-    # With the lock held, the watcher would not have had a turn after the beginning.
-    middle = [t for t in times if begin + 0.25 * (end - begin) < t < begin + 0.75 * (end - begin)]
-    assert len(middle) >= 5, (len(times), end - begin)
+def goes_on(work):
+    """Whether another Python thread has a turn within ``work``, in one of many calls."""
+    turns = []
+    gate = threading.Lock()
+    gate.acquire()
+
+    def other():
+        with gate:
+            turns.append(None)
+
+    thread = threading.Thread(target=other)
+    thread.start()
+    # Opening the gate gives nothing away: the other thread goes through where `work` lets it.
+    gate.release()
+    for _ in range(20):
+        work()
+    had_one = bool(turns)
+    thread.join()
+    return had_one
+
+
+def test_python_goes_on_while_a_pair_is_matched(no_turns):
+    matcher = hazcam.Matcher("balanced", 64, threads=1)
+    left, right = dots(rows=100, columns=300)
+    assert goes_on(lambda: matcher.compute(left, right))
+    # What never lets go shows that the turn was the matcher's to give.
+    assert not goes_on(lambda: sorted(range(100_000)))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
