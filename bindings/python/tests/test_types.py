@@ -1,10 +1,13 @@
 """Types are what the package says, and users of it are told where theirs are wrong."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import hazcam
 
 SOURCES = Path(__file__).parents[1] / "python" / "hazcam"
 
@@ -22,6 +25,18 @@ def test_the_stub_is_what_is_there():
 
 def test_types_are_right():
     run("mypy", "--strict", str(SOURCES))
+
+
+def test_the_remedy_for_few_bits_is_of_a_right_type(tmp_path):
+    [remedy] = re.findall(r"uint16 want ``(.+?)``", hazcam.Matcher.compute.__doc__)
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import hazcam\n"
+        "import numpy as np\n"
+        "left = hazcam.read_image('l.png')\n"
+        f"hazcam.match({remedy}, {remedy})\n"
+    )
+    run("mypy", "--strict", str(program))
 
 
 def test_users_are_told_of_wrong_types(tmp_path):

@@ -82,7 +82,7 @@ class Matcher:
             The rectified pair: uint8 or uint16, shape (rows, columns) for grey or
             (rows, columns, 3) for red, green, blue (OpenCV reads blue first: ``left[..., ::-1]``).
             Both are of one size, depth and kind, and in any layout of memory. Samples of 12 bits in
-            uint16 want ``left << 4``.
+            uint16 want ``left << np.uint16(4)``.
         box
             ``(x0, y0, x1, y1)``: the first column and row and the last column and row to answer,
             all part of the box. The whole image unless given.
