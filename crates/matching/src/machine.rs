@@ -107,10 +107,11 @@ mod tests {
     #[test]
     fn what_is_taken_is_told() {
         let before = taken();
-        let mut more = vec![1u8; 64 << 20];
+        // More than other tests in this process may give back meanwhile.
+        let mut more = vec![1u8; 256 << 20];
         more[before % 100] = 2;
         let now = taken();
-        assert!(now > before + (48 << 20), "{before}, {now} with {}", more.len());
+        assert!(now > before + (128 << 20), "{before}, {now} with {}", more.len());
     }
 
     #[test]
