@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use camera::StereoCamera;
 use formats::Encoding;
 use raster::{BoundingBox, DisparityRange, Image, Plane};
 use serde::{Deserialize, Serialize};
@@ -202,6 +203,8 @@ pub struct CaseData {
     pub bounds: BoundingBox,
     /// The disparities to search.
     pub range: DisparityRange,
+    /// The cameras, where they are known.
+    pub camera: Option<StereoCamera>,
     /// True disparities of the left image, NaN = unknown.
     pub truth: Option<Plane<f32>>,
     /// Pixels that are scored apart.
@@ -214,7 +217,8 @@ impl CaseData {
     /// A scene in memory whose whole image is answered.
     pub fn new(left: Image, right: Image, range: DisparityRange) -> Self {
         let bounds = BoundingBox::whole(left.columns(), left.rows());
-        Self { left, right, bounds, range, truth: None, regions: Vec::new(), protocol: Vec::new() }
+        let (camera, truth, regions, protocol) = (None, None, Vec::new(), Vec::new());
+        Self { left, right, bounds, range, camera, truth, regions, protocol }
     }
 
     /// Adds the pixels that both cameras see and those that only the left one does.

@@ -49,7 +49,8 @@ pub(super) fn files(
         Some(range) => range,
         None => assumed_range(files, truth.as_ref(), size.0, &mut protocol)?,
     };
-    Ok(CaseData { left, right, bounds, range, truth, regions, protocol })
+    // Of files nothing asks for more than disparities: their calibrations are not looked for.
+    Ok(CaseData { left, right, bounds, range, camera: None, truth, regions, protocol })
 }
 
 /// The file with its folder, which in some data sets alone says what it holds.

@@ -15,7 +15,7 @@ use crate::ui::Ui;
 ///
 /// For each scene the folder holds the left image, the true disparities (turbo), and for each
 /// matcher its disparities, its errors in KITTI's colours (blue is right, red is wrong, dark is
-/// seen by one camera only) and a JSON record.
+/// seen by one camera only), a page of its points in space for a browser, and a JSON record.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -23,7 +23,7 @@ Examples:
   hazcam demo --matcher fast,best --out /tmp/demo
   hazcam demo --engine 'opencv-*' --scenes '*mars*'")]
 pub struct Args {
-    /// Folder for pictures and records; it is made if it is not there
+    /// Folder for pictures, pages and records; it is made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = "hazcam-demo")]
     out: PathBuf,
 
@@ -40,7 +40,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let cases = scenes::matching(rendered::demo(), |case| &case.id, args.scenes.as_deref())?;
     let engines = args.engines.definitions(&[], None)?;
     let mut output = Output::in_folder(args.out, true)?;
-    output.view = View::Regions;
+    (output.view, output.pages) = (View::Regions, true);
     let jobs = NonZeroUsize::MIN;
     Contest { cases, engines, reference: None, limits: None, jobs }.run(&args.engines, output, ui)
 }

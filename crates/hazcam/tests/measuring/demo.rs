@@ -8,7 +8,7 @@ fn a_demo_leaves_pictures_records_and_tables() {
     let (stdout, stderr) =
         run(folder.path(), &["demo", "--matcher", "fast", "--scenes", "*cards*", "-o", "out"], 0);
     assert!(stdout.starts_with("scene "), "{stdout}");
-    assert!(stderr.contains("pictures and records are in out"), "{stderr}");
+    assert!(stderr.contains("pictures, pages of points and records are in out"), "{stderr}");
     let out = folder.path().join("out");
     let scene = std::fs::read_dir(out.join("demo")).unwrap().next().unwrap().unwrap().path();
     let id = format!("demo/{}", scene.file_name().unwrap().to_str().unwrap());
@@ -18,6 +18,11 @@ fn a_demo_leaves_pictures_records_and_tables() {
     for picture in ["truth.png", "fast.png", "fast-error.png"] {
         let picture = formats::read_image(scene.join(picture)).unwrap();
         assert_eq!(picture.size(), left.size());
+    }
+    let page = std::fs::read_to_string(scene.join("fast.html")).unwrap();
+    let title = format!("<title>{id}: fast</title>");
+    for shown in [&title, "Points are in metres: focal length", "id=\"image\"", "id=\"truth\""] {
+        assert!(page.contains(shown), "{shown}");
     }
     let record = std::fs::read(scene.join("fast.json")).unwrap();
     let record: serde_json::Value = serde_json::from_slice(&record).unwrap();

@@ -23,6 +23,8 @@ pub struct Output {
     pub format: Format,
     /// The page that gets the results between its markers.
     pub page: Option<Page>,
+    /// Whether there is a page of points for each answer too, beside the pictures.
+    pub pages: bool,
     folder: Option<PathBuf>,
     pictures: bool,
     /// The scene whose own pictures have been written last.
@@ -56,6 +58,11 @@ impl Output {
             }
             if let Some(answer) = answer {
                 pictures::write_answer(&folder, &record.engine, data, answer)?;
+                if self.pages {
+                    let page = folder.join(format!("{}.html", record.engine));
+                    let title = format!("{}: {}", case.id, record.engine);
+                    pictures::write_page(&page, &title, data, answer)?;
+                }
             }
         }
         record.write(&folder.join(format!("{}.json", record.engine)))?;
@@ -85,7 +92,11 @@ impl Output {
     /// In words where the results lie, if they are kept.
     pub fn place(&self) -> Option<String> {
         let folder = self.folder.as_ref()?;
-        let what = if self.pictures { "pictures and records are" } else { "records are" };
+        let what = match (self.pages, self.pictures) {
+            (true, _) => "pictures, pages of points and records are",
+            (false, true) => "pictures and records are",
+            (false, false) => "records are",
+        };
         Some(format!("{what} in {}", folder.display()))
     }
 }

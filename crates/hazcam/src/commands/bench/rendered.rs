@@ -34,6 +34,7 @@ fn case(id: String, settings: Settings) -> Case {
 pub fn render(settings: &Settings) -> Result<CaseData, String> {
     let scene = scenes::render(settings).map_err(|error| error.to_string())?;
     let mut data = CaseData::new(scene.left, scene.right, scene.range);
+    data.camera = scene.camera;
     data.truth = Some(scene.truth_left);
     data.add_occlusions(&scene.occluded);
     for (name, mask) in [
