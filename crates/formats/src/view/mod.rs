@@ -51,7 +51,7 @@ impl<'a> View<'a> {
         Self { title, disparities, camera, disparity_error, image, confidence, reasons, truth }
     }
 
-    /// With points in metres. The page tells by how much depths are off where disparities are by
+    /// With points in metres. The page tells between which depths a pixel lies where its disparity may be off by
     /// `disparity_error` pixels.
     pub fn with_camera(self, camera: StereoCamera, disparity_error: f64) -> Self {
         Self { camera: Some(camera), disparity_error, ..self }
