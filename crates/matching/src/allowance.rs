@@ -101,7 +101,6 @@ mod tests {
             right: &image,
             bounds: BoundingBox::whole(70_000, 3),
             range: DisparityRange::new(0, 16_383).unwrap(),
-            allowance: Allowance::unbounded(),
         };
         let needed = 28_706_000_000;
         let admit = |asked, there| Allowance { asked, there, bound: None }.admit(&frame, needed);
@@ -144,7 +143,7 @@ mod tests {
         let bounds = BoundingBox::whole(30, 20);
         let range = DisparityRange::new(0, 15).unwrap();
         let allowance = Allowance::new(None, memory(Some(100 << 20)), 90 << 20, 600);
-        let frame = Frame { left: &image, right: &image, bounds, range, allowance };
+        let frame = Frame { left: &image, right: &image, bounds, range };
         assert_eq!(
             allowance.admit(&frame, 5_000_000).unwrap_err().to_string(),
             "30 x 20 pixels and 16 disparities need at least 5 MB, but of the 104 MB that this \
@@ -157,8 +156,7 @@ mod tests {
     fn what_is_there_is_asked_again_for_larger_frames_alone() {
         let image = Image::Grey8(Plane::filled(30, 20, 0));
         let (bounds, range) = (BoundingBox::whole(30, 20), DisparityRange::new(0, 15).unwrap());
-        let allowance = Allowance::unbounded();
-        let frame = Frame { left: &image, right: &image, bounds, range, allowance };
+        let frame = Frame { left: &image, right: &image, bounds, range };
         let memory = Memory { whole: Some(8 << 30), bound: Some(4 << 30) };
         let mut admission = Admission { asked: None, memory, largest: None };
         let first = admission.of(&frame, 1000).unwrap().there;

@@ -18,8 +18,6 @@ pub(crate) struct Frame<'a> {
     pub right: &'a Image,
     pub bounds: BoundingBox,
     pub range: DisparityRange,
-    /// The memory that it may take.
-    pub allowance: Allowance,
 }
 
 impl Frame<'_> {
@@ -42,11 +40,12 @@ pub(crate) trait Pipeline: Send {
 
     /// Answers every pixel of `frame.bounds` in `map`, which arrives in the right size and is empty
     /// outside that box: inside it every value, reason and confidence is written, whatever stood there.
-    /// Holes are filled, with reasons that say so. `profile` is told when a stage has ended, and what
-    /// it did.
+    /// Holes are filled, with reasons that say so. No more memory is taken than `allowance` says. `profile` is
+    /// told when a stage has ended, and what it did.
     fn run(
         &mut self,
         frame: &Frame<'_>,
+        allowance: Allowance,
         map: &mut DisparityMap,
         profile: &mut Profile,
     ) -> Result<(), MatchError>;
@@ -190,14 +189,13 @@ impl Matcher {
         if columns * rows > LARGEST {
             return Err(MatchError::TooLarge { columns, rows, limit: LARGEST });
         }
-        let (range, allowance) = (self.options.range, Allowance::unbounded());
-        let mut frame = Frame { left, right, bounds, range, allowance };
+        let frame = Frame { left, right, bounds, range: self.options.range };
         let Self { admission, pipeline, map, profile, .. } = self;
         self.pool.install(|| {
-            frame.allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
+            let allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
             profile.begin();
             map.reshape(columns, rows, bounds);
-            pipeline.run(&frame, map, profile)
+            pipeline.run(&frame, allowance, map, profile)
         })?;
         if self.options.holes == Holes::Keep {
             open_holes(map, bounds);

@@ -2,7 +2,6 @@
 
 use raster::{BoundingBox, DisparityRange, Image, Plane};
 
-use crate::allowance::Allowance;
 use crate::matcher::Frame;
 use crate::refinement::choice::Lesson;
 pub use crate::refinement::choice::{Known, Pixel};
@@ -19,8 +18,7 @@ pub fn choices(
     pick: impl FnMut(&Plane<f32>, usize) -> Vec<Pixel> + Send + 'static,
 ) -> Result<Vec<(Pixel, Known)>, MatchError> {
     let (columns, rows) = left.size();
-    let (bounds, allowance) = (BoundingBox::whole(columns, rows), Allowance::unbounded());
-    let frame = Frame { left, right, bounds, range, allowance };
+    let frame = Frame { left, right, bounds: BoundingBox::whole(columns, rows), range };
     Ok(presets::teach(preset, &frame, Lesson::new(pick))?.known)
 }
 

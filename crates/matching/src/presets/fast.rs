@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::memory;
 use crate::MatchError;
 use crate::aggregation::window::SlidingWindow;
+use crate::allowance::Allowance;
 use crate::cost::SearchSpace;
 use crate::kernels::level::Level;
 use crate::kernels::sad;
@@ -224,6 +225,7 @@ impl Pipeline for Fast {
     fn run(
         &mut self,
         frame: &Frame<'_>,
+        _: Allowance,
         map: &mut DisparityMap,
         profile: &mut Profile,
     ) -> Result<(), MatchError> {
@@ -242,7 +244,6 @@ fn rows_of_box<'a, T>(frame: &Frame<'_>, plane: &'a mut Plane<T>) -> &'a mut [T]
 mod tests {
     use super::*;
     use crate::Holes;
-    use crate::allowance::Allowance;
     use crate::matcher::open_holes;
     use crate::matcher::tests::bits;
     use raster::{BoundingBox, DisparityRange, Image};
@@ -285,13 +286,7 @@ mod tests {
         let range = DisparityRange::new(-3, 20).unwrap();
         for bounds in [BoundingBox::whole(101, 43), BoundingBox::new(7, 5, 90, 41).unwrap()] {
             for holes in [Holes::Fill, Holes::Keep] {
-                let frame = Frame {
-                    left: &left,
-                    right: &right,
-                    bounds,
-                    range,
-                    allowance: Allowance::unbounded(),
-                };
+                let frame = Frame { left: &left, right: &right, bounds, range };
                 let map = |level, height, threads| {
                     let mut map = map(level, &frame, height, threads);
                     if holes == Holes::Keep {
@@ -320,13 +315,7 @@ mod tests {
         for (columns, rows) in [(90, 40), (33, 12), (1, 1), (101, 43)] {
             let [left, right] = scene(columns, rows);
             let bounds = BoundingBox::whole(columns, rows);
-            let frame = Frame {
-                left: &left,
-                right: &right,
-                bounds,
-                range,
-                allowance: Allowance::unbounded(),
-            };
+            let frame = Frame { left: &left, right: &right, bounds, range };
             found.reshape(columns, rows, bounds);
             reused.run_in_bands(&frame, 7, &mut found, &mut Profile::new()).unwrap();
             let expected = map(Level::detect(), &frame, 7, 1);

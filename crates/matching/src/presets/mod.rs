@@ -11,6 +11,7 @@ mod view;
 
 use raster::DisparityMap;
 
+use crate::allowance::Allowance;
 use crate::kernels::level::Level;
 use crate::matcher::{Frame, Pipeline};
 use crate::profile::Profile;
@@ -53,6 +54,7 @@ pub(crate) fn teach(
     }
     let (columns, rows) = frame.size();
     let mut stages = SemiGlobalMatching::teaching(preset, Level::detect(), lesson);
-    stages.run(frame, &mut DisparityMap::empty(columns, rows), &mut Profile::new())?;
+    let (mut map, mut profile) = (DisparityMap::empty(columns, rows), Profile::new());
+    stages.run(frame, Allowance::unbounded(), &mut map, &mut profile)?;
     Ok(stages.into_lesson().expect("it was given one"))
 }

@@ -14,6 +14,7 @@ use super::pair::{Pair, Prepared};
 use super::penalties::penalties;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
+use crate::allowance::Allowance;
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
@@ -424,6 +425,7 @@ impl Pipeline for SemiGlobalMatching {
     fn run(
         &mut self,
         frame: &Frame<'_>,
+        allowance: Allowance,
         map: &mut DisparityMap,
         profile: &mut Profile,
     ) -> Result<(), MatchError> {
@@ -433,7 +435,7 @@ impl Pipeline for SemiGlobalMatching {
         let space = self.space(frame, work);
         let rows = MatchedRows::of(work, space.apart);
         let columns = space.columns();
-        let bands = self.needs(frame, work, &space).bands(frame.allowance);
+        let bands = self.needs(frame, work, &space).bands(allowance);
         // Disparities that are tried anywhere; without any, all pixels lie outside the right image.
         let searched = DisparityRange::new(space.min, space.min + space.count as i32 - 1);
         let range = searched.unwrap_or(frame.range);
