@@ -21,27 +21,42 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-OF_EACH, OF_PIXEL = 20, 6
-# Candidates (`reach.rs`) and the numbers of the two layers (`jury.rs`).
-SIZES = {"balanced": (24, 16, 8), "best": (32, 32, 16)}
+# So many numbers of each candidate, the first of them in the context (`hint.rs`), and of a pixel.
+OF_EACH, IN_CONTEXT, OF_PIXEL = 20, 6, 6
+# Candidates (`reach.rs`) and the numbers of the context, none where there is none, and of the two layers (`jury.rs`).
+SIZES = {"balanced": (24, 0, 16, 8), "best": (32, 32, 32, 16)}
 BATCH = 1024
+# How far what is known is off by chance where it goes into the context, which would know scenes by heart otherwise:
+# by so much of itself, and by so much.
+NOISE = (0.7, 0.2)
 
 
 class Judge(nn.Module):
-    def __init__(self, candidates, first, second):
+    def __init__(self, candidates, context, first, second):
         super().__init__()
         random = lambda *shape, scale: nn.Parameter(torch.randn(*shape) * scale)
+        of_all = candidates * IN_CONTEXT + OF_PIXEL
         # In the order in which `judge.rs` reads them.
+        self.of_all = random(context, of_all, scale=math.sqrt(1 / of_all))
+        self.context_offsets = nn.Parameter(torch.zeros(context))
+        common = context or OF_PIXEL
+        self.of_context = random(first, common, scale=math.sqrt(1 / common) if context else 0.3)
         self.places = nn.Parameter(0.3 * torch.randn(first, 1).repeat(1, candidates))
         self.of_each = random(first, OF_EACH, scale=0.8 / math.sqrt(OF_EACH))
-        self.of_pixel = random(first, OF_PIXEL, scale=0.3)
         self.second = random(second, first, scale=math.sqrt(2 / first))
         self.second_offsets = nn.Parameter(torch.zeros(second))
         self.last = random(second, scale=math.sqrt(1 / second))
 
     def forward(self, of_each, of_pixel):
+        context = of_pixel
+        if len(self.of_all):
+            known = torch.cat([of_each[:, :IN_CONTEXT].transpose(1, 2).flatten(1), of_pixel], 1)
+            if self.training:
+                share, more = NOISE
+                known = known * (1 + share * torch.randn_like(known)) + more * torch.randn_like(known)
+            context = (known @ self.of_all.t() + self.context_offsets).relu()
         first = torch.einsum("hi,bik->bhk", self.of_each, of_each) + self.places
-        first = (first + (of_pixel @ self.of_pixel.t())[:, :, None]).relu()
+        first = (first + (context @ self.of_context.t())[:, :, None]).relu()
         second = torch.einsum("gh,bhk->bgk", self.second, first) + self.second_offsets[:, None]
         return torch.einsum("g,bgk->bk", self.last, second.relu())
 

@@ -1,10 +1,12 @@
-//! The judge: a small network that scores each candidate of a pixel alone, with the same weights.
+//! The judge: a small network that scores each candidate of a pixel with the same weights, in the light of all.
 //!
 //! ```text
-//! s_k = w3 . max(0, W2 max(0, W1 of_each_k + V of_pixel + u_k) + b)
+//! c   = max(0, C (context, of_pixel) + a)
+//! s_k = w3 . max(0, W2 max(0, W1 of_each_k + V c + u_k) + b)
 //! ```
 //!
-//! `u_k` belongs to the place that candidate `k` comes from. Scores become probabilities (softmax), and
+//! The context is the first few things that are known of each candidate, from the first to the last: which of them
+//! belong together. A judge without it has `V of_pixel` in place of `V c`. `u_k` belongs to the place that candidate `k` comes from. Scores become probabilities (softmax), and
 //! the candidate is taken that is expected to be off by the least, where being off by more than
 //! [`FAR`] pixels is as bad as being off by that: of several that say nearly the same the one in the
 //! middle wins, and one that stands alone must be likely.
@@ -14,7 +16,7 @@
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 
 use super::block::{Block, LANES, NONE, OF_PIXEL};
-use super::hint::{Hints, OF_EACH};
+use super::hint::{Hints, IN_CONTEXT, OF_EACH};
 use super::reach::{GROUP, MOST, Reach};
 use super::relations::{NO_NUMBERS, PARTS, in_turns};
 use crate::kernels::aligned::Line;
@@ -32,11 +34,20 @@ const ALL: f32 = 32767.0;
 /// Sums that grow together: each number of the layer before is read once for all of these.
 const TOGETHER: usize = 8;
 
-/// The numbers of the two layers between; each a multiple of [`TOGETHER`].
+/// The numbers of the context, none where there is no context, and of the two layers between; each a multiple of
+/// [`TOGETHER`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Layers {
+    pub context: usize,
     pub first: usize,
     pub second: usize,
+}
+
+impl Layers {
+    /// How many numbers all candidates of a pixel have in common.
+    fn common(self) -> usize {
+        if self.context > 0 { self.context } else { OF_PIXEL }
+    }
 }
 
 /// Two numbers of each pixel, [`packed`].
@@ -46,10 +57,14 @@ type Pairs = Sums;
 #[derive(PartialEq)]
 pub(crate) struct Judge {
     layers: Layers,
+    /// What goes into the context.
+    of_all: Vec<[Pair; TOGETHER]>,
+    context_offsets: [i32; LARGEST],
+    context: Weighing,
+    of_context: Vec<[Pair; TOGETHER]>,
     /// What a place adds to each sum of the first layer.
     places: Vec<[i32; LARGEST]>,
     of_each: Vec<[Pair; TOGETHER]>,
-    of_pixel: Vec<[Pair; TOGETHER]>,
     first: Weighing,
     weights: Vec<[Pair; TOGETHER]>,
     offsets: [i32; LARGEST],
@@ -60,10 +75,15 @@ pub(crate) struct Judge {
 /// What a judge keeps in mind of pixels while it looks at their candidates; vectors begin where cache lines do.
 #[repr(C, align(64))]
 pub(super) struct Mind {
-    /// What the pixels add to the first layer.
-    own: [Sums; LARGEST],
     /// What is known of a candidate.
     pub hints: Hints,
+    /// The same of each.
+    of_each: [[Pairs; OF_EACH / 2]; MOST],
+    /// What goes into the context.
+    all: [Pairs; (MOST * IN_CONTEXT + OF_PIXEL) / 2],
+    context: [Pairs; LARGEST / 2],
+    /// What the context adds to the first layer.
+    own: [Sums; LARGEST],
     /// The first layer of a candidate.
     numbers: [Pairs; LARGEST / 2],
     /// Of each candidate, and in the end how likely it is.
@@ -77,13 +97,41 @@ pub(super) struct Mind {
 impl Default for Mind {
     fn default() -> Self {
         Self {
-            own: [Line([0; LANES]); LARGEST],
             hints: [NONE; OF_EACH],
+            of_each: [[Line([0; LANES]); OF_EACH / 2]; MOST],
+            all: [Line([0; LANES]); (MOST * IN_CONTEXT + OF_PIXEL) / 2],
+            context: [Line([0; LANES]); LARGEST / 2],
+            own: [Line([0; LANES]); LARGEST],
             numbers: [Line([0; LANES]); LARGEST / 2],
             scores: [NONE; MOST],
             shares: [NO_NUMBERS; MOST / 2],
             expected: [Line([0; LANES]); MOST],
         }
+    }
+}
+
+impl Mind {
+    /// Takes the hints as those of candidate `k`.
+    #[inline(always)]
+    pub fn hear(&mut self, products: impl Products, k: usize) {
+        let [a, b, c, d, e, f, g, h, i, j] = self.hints.as_chunks().0 else {
+            unreachable!("candidates have twenty numbers")
+        };
+        // Written out: a loop would be taken for the one to work on together.
+        self.of_each[k] = [
+            products.pairs(a),
+            products.pairs(b),
+            products.pairs(c),
+            products.pairs(d),
+            products.pairs(e),
+            products.pairs(f),
+            products.pairs(g),
+            products.pairs(h),
+            products.pairs(i),
+            products.pairs(j),
+        ];
+        let [a, b, c, ..] = self.of_each[k];
+        self.all.as_chunks_mut::<{ IN_CONTEXT / 2 }>().0[k] = [a, b, c];
     }
 }
 
@@ -97,51 +145,67 @@ pub(super) struct Verdict {
 
 impl Judge {
     /// How many numbers it is made of.
-    pub fn numbers(reach: &Reach, Layers { first, second }: Layers) -> usize {
-        first * (reach.places.len() + OF_EACH + OF_PIXEL + second) + 2 * second
+    pub fn numbers(reach: &Reach, layers: Layers) -> usize {
+        let (Layers { context, first, second }, candidates) = (layers, reach.places.len());
+        context * (candidates * IN_CONTEXT + OF_PIXEL + 1)
+            + first * (layers.common() + candidates + OF_EACH + second)
+            + 2 * second
     }
 
     /// Operations on bytes for a pixel: products of two bytes each and their sums of four, and each
     /// candidate compared with each other one, in three operations on two bytes, once for the products that
     /// are four votes, once for that which says what it costs to be wrong.
     pub fn operations(&self) -> usize {
-        let Layers { first, second } = self.layers;
+        let Layers { context, first, second } = self.layers;
         let candidates = self.places.len();
+        let of_all = context * (candidates * IN_CONTEXT + OF_PIXEL) + first * self.layers.common();
         let products = first * OF_EACH + second * first + second;
         let compared = 2 * (3 * 2) + (4 + 1) * (2 + 4);
-        candidates * ((2 + 4) * products + candidates * compared)
+        (2 + 4) * of_all + candidates * ((2 + 4) * products + candidates * compared)
     }
 
-    /// From its numbers: of each number of the first layer the places, then the weights of what is
-    /// known of each candidate, then of the pixel; the weights of the second layer, its offsets, the
+    /// From its numbers: of each number of the context the weights of what is known of the first candidate, of the
+    /// next, then of the pixel; its offsets. Of each number of the first layer the weights of the context, or else of
+    /// what is known of the pixel; the places; the weights of what is known of each candidate. The weights of the second layer, its offsets, the
     /// weights of the score. Those of a layer row by row.
     pub fn new(reach: &Reach, layers: Layers, numbers: impl IntoIterator<Item = f32>) -> Self {
-        let Layers { first, second } = layers;
-        assert!([first, second].iter().all(|n| n.is_multiple_of(TOGETHER) && *n <= LARGEST));
+        let Layers { context, first, second } = layers;
+        assert!(
+            [context, first, second].iter().all(|n| n.is_multiple_of(TOGETHER) && *n <= LARGEST)
+        );
         let mut numbers = numbers.into_iter();
         let mut rows = |rows: usize, columns: usize| -> Vec<Vec<f32>> {
             let mut next = || numbers.next().expect("there is a number for every weight");
             (0..rows).map(|_| (0..columns).map(|_| next()).collect()).collect()
         };
+        let of_all = rows(context, reach.places.len() * IN_CONTEXT + OF_PIXEL);
+        let context_offsets = rows(1, context).concat();
+        let of_context = rows(first, layers.common());
         let of_places = rows(first, reach.places.len());
-        let (of_each, of_pixel) = (rows(first, OF_EACH), rows(first, OF_PIXEL));
+        let of_each = rows(first, OF_EACH);
         let weights = rows(second, first);
         let (offsets, last) = (rows(1, second).concat(), rows(1, second).concat());
 
-        let known = of_each.iter().zip(&of_pixel).map(|(each, pixel)| each.iter().chain(pixel));
+        let of_rows = |rows: &[Vec<f32>], offsets: &[f32]| {
+            Weighing::of(rows.iter().map(|row| row.iter().copied()).zip(offsets.iter().copied()))
+        };
+        let known = of_each.iter().zip(&of_context).map(|(each, all)| each.iter().chain(all));
         let largest =
             |row: &Vec<f32>| row.iter().fold(0.0f32, |most, number| most.max(number.abs()));
         let places = of_places.iter().map(largest);
         let weighing = Weighing::of(known.map(Iterator::copied).zip(places));
-        let of_second = weights.iter().map(|row| row.iter().copied()).zip(offsets.iter().copied());
-        let second = Weighing::of(of_second);
+        let second = of_rows(&weights, &offsets);
+        let in_context = of_rows(&of_all, &context_offsets);
         Self {
             layers,
+            of_all: together(&of_all, in_context).concat(),
+            context_offsets: filled_up(context_offsets.iter().map(|&a| in_context.offset(a))),
+            context: in_context,
+            of_context: together(&of_context, weighing).concat(),
             places: (0..reach.places.len())
                 .map(|k| filled_up(of_places.iter().map(|row| weighing.offset(row[k]))))
                 .collect(),
             of_each: together(&of_each, weighing).concat(),
-            of_pixel: together(&of_pixel, weighing).concat(),
             first: weighing,
             weights: together(&weights, second).concat(),
             offsets: filled_up(offsets.iter().map(|&offset| second.part(offset))),
@@ -149,7 +213,7 @@ impl Judge {
         }
     }
 
-    /// Looks at pixels, whatever their candidates.
+    /// Looks at pixels, all of whose candidates were heard.
     #[inline(always)]
     pub(super) fn look(
         &self,
@@ -157,55 +221,53 @@ impl Judge {
         of_pixel: &[Lanes; OF_PIXEL],
         mind: &mut Mind,
     ) {
+        let Mind { all, context, own, .. } = mind;
         let [a, b, c] = of_pixel.as_chunks().0 else { unreachable!("pixels have six numbers") };
         let pairs = [products.pairs(a), products.pairs(b), products.pairs(c)];
-        let groups = self.groups(&self.of_pixel);
-        for (own, weights) in mind.own.as_chunks_mut().0.iter_mut().zip(groups) {
-            *own = weighted(products, [Line([0; LANES]); TOGETHER], weights, &pairs);
+        let context = match self.layers.context {
+            0 => &pairs[..],
+            numbers => {
+                self.hear(products, &pairs, all, context);
+                &context[..numbers / 2]
+            }
+        };
+        let groups = self.of_context.chunks_exact(context.len());
+        for (own, weights) in own.as_chunks_mut().0.iter_mut().zip(groups) {
+            *own = weighted(products, [Line([0; LANES]); TOGETHER], weights, context);
         }
     }
 
-    /// The weights of a layer, those of sums that grow together one after the other.
+    /// The context of pixels, from what is known of them and of their candidates.
     #[inline(always)]
-    fn groups<'a>(
+    fn hear(
         &self,
-        weights: &'a [[Pair; TOGETHER]],
-    ) -> impl Iterator<Item = &'a [[Pair; TOGETHER]]> {
-        weights.chunks_exact(weights.len() / (self.layers.first / TOGETHER))
+        products: impl Products,
+        pairs: &[Pairs],
+        all: &mut [Pairs],
+        context: &mut [Pairs],
+    ) {
+        let known = self.places.len() * IN_CONTEXT / 2;
+        all[known..][..pairs.len()].copy_from_slice(pairs);
+        let all = &all[..known + pairs.len()];
+        let offsets = self.context_offsets.as_chunks().0;
+        let groups = context.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut().zip(offsets);
+        for ((out, offsets), weights) in groups.zip(self.of_all.chunks_exact(all.len())) {
+            let sums = weighted(products, [Line([0; LANES]); TOGETHER], weights, all);
+            *out = layer(self.context, &sums, offsets);
+        }
     }
 
-    /// Scores candidate `k`, of which the hints are known.
+    /// Scores candidate `k`, of which the mind has heard.
     #[inline(always)]
     pub(super) fn score(&self, products: impl Products, k: usize, mind: &mut Mind) {
-        let Mind { own, hints, numbers, scores, .. } = mind;
+        let Mind { own, of_each, numbers, scores, .. } = mind;
+        let hints = &of_each[k];
         let places = self.places[k].as_chunks().0;
-        let [a, b, c, d, e, f, g, h, i, j] = hints.as_chunks().0 else {
-            unreachable!("candidates have twenty numbers")
-        };
-        // Written out: a loop would be taken for the one to work on together.
-        let hints = [
-            products.pairs(a),
-            products.pairs(b),
-            products.pairs(c),
-            products.pairs(d),
-            products.pairs(e),
-            products.pairs(f),
-            products.pairs(g),
-            products.pairs(h),
-            products.pairs(i),
-            products.pairs(j),
-        ];
         let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
         let groups = groups.zip(own.as_chunks().0);
-        for ((out, own), (weights, place)) in groups.zip(self.groups(&self.of_each).zip(places)) {
-            let [a, b, c, d, e, f, g, h] = weighted(products, *own, weights, &hints);
-            let [of_a, of_b, of_c, of_d, of_e, of_f, of_g, of_h]: [i32; TOGETHER] = *place;
-            *out = [
-                self.of_first((&a, of_a), (&b, of_b)),
-                self.of_first((&c, of_c), (&d, of_d)),
-                self.of_first((&e, of_e), (&f, of_f)),
-                self.of_first((&g, of_g), (&h, of_h)),
-            ];
+        let of_each = self.of_each.chunks_exact(hints.len());
+        for ((out, own), (weights, place)) in groups.zip(of_each.zip(places)) {
+            *out = layer(self.first, &weighted(products, *own, weights, hints), place);
         }
         let numbers = &numbers[..self.layers.first / 2];
         let mut score = NONE;
@@ -223,18 +285,34 @@ impl Judge {
         }
         scores[k] = score;
     }
+}
 
-    /// Two numbers of the first layer: sums, and what is to be added.
-    #[inline(always)]
-    fn of_first(&self, (one, to_one): (&Sums, i32), (other, to_other): (&Sums, i32)) -> Pairs {
-        let mut pairs = Line([0; LANES]);
-        for l in 0..LANES {
-            let one = self.first.sample(one[l] + to_one, 0);
-            let other = self.first.sample(other[l] + to_other, 0);
-            pairs[l] = packed(one, other);
-        }
-        pairs
+/// Numbers of a layer: sums, and what is to be added to them.
+#[inline(always)]
+fn layer(
+    weighing: Weighing,
+    sums: &[Sums; TOGETHER],
+    offsets: &[i32; TOGETHER],
+) -> [Pairs; TOGETHER / 2] {
+    let [a, b, c, d, e, f, g, h] = sums;
+    let [of_a, of_b, of_c, of_d, of_e, of_f, of_g, of_h] = *offsets;
+    [
+        pair(weighing, (a, of_a), (b, of_b)),
+        pair(weighing, (c, of_c), (d, of_d)),
+        pair(weighing, (e, of_e), (f, of_f)),
+        pair(weighing, (g, of_g), (h, of_h)),
+    ]
+}
+
+#[inline(always)]
+fn pair(weighing: Weighing, (one, to_one): (&Sums, i32), (other, to_other): (&Sums, i32)) -> Pairs {
+    let mut pairs = Line([0; LANES]);
+    for l in 0..LANES {
+        let one = weighing.sample(one[l] + to_one, 0);
+        let other = weighing.sample(other[l] + to_other, 0);
+        pairs[l] = packed(one, other);
     }
+    pairs
 }
 
 /// The weights of rows, those of [`TOGETHER`] rows for one pair of columns after the other.
@@ -368,15 +446,20 @@ mod tests {
     use crate::kernels::products::Plain;
     use crate::refinement::choice::reach::{NARROW, WIDE};
 
-    const SHAPES: [(&Reach, Layers); 2] =
-        [(&NARROW, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
+    const SHAPES: [(&Reach, Layers); 2] = [
+        (&NARROW, Layers { context: 0, first: 16, second: 8 }),
+        (&WIDE, Layers { context: 32, first: 32, second: 16 }),
+    ];
 
     at_every_level! {
         fn judge_block[products](judge: &Judge, block: &Block, hints: &[Hints]) -> Verdict {
             let mut mind = Mind::default();
-            judge.look(products, &block.of_pixel, &mut mind);
             for (k, hints) in hints.iter().enumerate() {
                 mind.hints = *hints;
+                mind.hear(products, k);
+            }
+            judge.look(products, &block.of_pixel, &mut mind);
+            for k in 0..hints.len() {
                 judge.score(products, k, &mut mind);
             }
             verdict(products, block, &mut mind)
@@ -395,25 +478,43 @@ mod tests {
     /// The expected errors of a pixel's candidates by the formula, in 64 bits.
     fn definition(
         numbers: &[f32],
-        (reach, Layers { first, second }): (&Reach, Layers),
+        (reach, Layers { context, first, second }): (&Reach, Layers),
         block: &Block,
         hints: &[Hints],
         l: usize,
     ) -> Vec<f64> {
         let n = reach.places.len();
         let wide = |number: f32| f64::from(number);
-        let (places, rest) = numbers.split_at(first * n);
+        let of_all = n * IN_CONTEXT + OF_PIXEL;
+        let (all, rest) = numbers.split_at(context * of_all);
+        let (in_context, rest) = rest.split_at(context);
+        let common = if context > 0 { context } else { OF_PIXEL };
+        let (of_context, rest) = rest.split_at(first * common);
+        let (places, rest) = rest.split_at(first * n);
         let (of_each, rest) = rest.split_at(first * OF_EACH);
-        let (of_pixel, rest) = rest.split_at(first * OF_PIXEL);
         let (weights, rest) = rest.split_at(second * first);
         let (offsets, last) = rest.split_at(second);
+        let known: Vec<f64> = hints
+            .iter()
+            .flat_map(|hints| &hints[..IN_CONTEXT])
+            .chain(&block.of_pixel)
+            .map(|of| wide(of[l]))
+            .collect();
+        let numbers: Vec<f64> = (0..context)
+            .map(|c| {
+                let weights = &all[c * of_all..][..of_all];
+                let sum: f64 = weights.iter().zip(&known).map(|(&w, known)| wide(w) * known).sum();
+                (sum + wide(in_context[c])).max(0.0)
+            })
+            .collect();
+        let context = if context > 0 { &numbers[..] } else { &known[n * IN_CONTEXT..] };
         let score = |k: usize| -> f64 {
             let layer = |h: usize| {
                 let each =
                     (0..OF_EACH).map(|i| wide(of_each[h * OF_EACH + i]) * wide(hints[k][i][l]));
-                let pixel = (0..OF_PIXEL)
-                    .map(|i| wide(of_pixel[h * OF_PIXEL + i]) * wide(block.of_pixel[i][l]));
-                (wide(places[h * n + k]) + each.sum::<f64>() + pixel.sum::<f64>()).max(0.0)
+                let all = context.iter().enumerate();
+                let all = all.map(|(c, number)| wide(of_context[h * context.len() + c]) * number);
+                (wide(places[h * n + k]) + each.sum::<f64>() + all.sum::<f64>()).max(0.0)
             };
             let numbers: Vec<f64> = (0..first).map(layer).collect();
             let second = (0..second).map(|g| {

@@ -14,10 +14,10 @@ pub(crate) struct Jury {
 }
 
 static BALANCED: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&NARROW, Layers { first: 16, second: 8 }, include_bytes!("balanced.bin"))
+    Jury::new(&NARROW, Layers { context: 0, first: 16, second: 8 }, include_bytes!("balanced.bin"))
 });
 static BEST: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&WIDE, Layers { first: 32, second: 16 }, include_bytes!("best.bin"))
+    Jury::new(&WIDE, Layers { context: 32, first: 32, second: 16 }, include_bytes!("best.bin"))
 });
 
 impl Jury {

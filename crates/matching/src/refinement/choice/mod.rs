@@ -203,9 +203,12 @@ fn decide(
     count: usize,
 ) -> Verdict {
     asked.compare(products, count, given, compared);
-    judge.look(products, &asked.of_pixel, mind);
     for k in 0..asked.candidates() {
         asked.hints(k, &mut mind.hints);
+        mind.hear(products, k);
+    }
+    judge.look(products, &asked.of_pixel, mind);
+    for k in 0..asked.candidates() {
         judge.score(products, k, mind);
     }
     verdict(products, asked, mind)
@@ -353,23 +356,33 @@ mod tests {
         let (own, wall) = (at(12.0), at(4.0));
         assert_eq!(own, 0);
         // The wall lies 8 below: 0.4 for each of three pixels and 0.05 for each of all.
-        assert_eq!([0, 1].map(|i| known.of_each[i][wall]), [-1.6, 1.6]);
+        assert_eq!([hint::APART, hint::FAR].map(|i| known.of_each[i][wall]), [-1.6, 1.6]);
         let sure = certainty::share(CERTAIN / 2);
-        assert_eq!([2, 3, 4].map(|i| known.of_each[i][own]), [sure, 1.0, 1.0]);
-        assert_eq!([2, 3, 4].map(|i| known.of_each[i][wall]), [sure, 0.0, 0.0]);
-        assert!(known.of_each[6][wall] < known.of_each[6][own], "the wall fits better");
-        assert_eq!(known.of_each[8][wall], 0.0);
+        let from = [hint::CONFIDENCE, hint::FILLED, hint::DOUBT];
+        assert_eq!(from.map(|i| known.of_each[i][own]), [sure, 1.0, 1.0]);
+        assert_eq!(from.map(|i| known.of_each[i][wall]), [sure, 0.0, 0.0]);
+        assert!(
+            known.of_each[hint::CENSUS][wall] < known.of_each[hint::CENSUS][own],
+            "the wall fits better"
+        );
+        assert_eq!(known.of_each[hint::CENSUS_HERE][wall], 0.0);
         // The right view says 4 where the wall's match lies.
-        assert_eq!([9, 10].map(|i| known.of_each[i][wall]), [0.0, 0.0]);
-        assert_eq!([13, 14].map(|i| known.of_each[i][wall]), [0.0, 1.6]);
-        assert_eq!(known.of_each[15], [0.0; 32]);
-        assert_eq!(known.of_each[17][0], 0.0);
-        let mut edges = known.of_each[17].iter().zip(&known.inside).skip(1);
+        assert_eq!(
+            [hint::RIGHT_APART, hint::RIGHT_FAR].map(|i| known.of_each[i][wall]),
+            [0.0, 0.0]
+        );
+        assert_eq!(
+            [hint::ABOVE_SMALLEST, hint::BELOW_LARGEST].map(|i| known.of_each[i][wall]),
+            [0.0, 1.6]
+        );
+        assert_eq!(known.of_each[hint::OUTSIDE], [0.0; 32]);
+        assert_eq!(known.of_each[hint::CHANGES][0], 0.0);
+        let mut edges = known.of_each[hint::CHANGES].iter().zip(&known.inside).skip(1);
         assert!(edges.all(|(&edges, &inside)| !inside || edges > 0.0), "all of it is noise");
         assert_eq!(known.of_pixel[..5], [sure, 0.0, 1.0, 0.0, 1.0]);
         let inside = known.inside.iter().filter(|&&inside| inside).count() as f32;
         assert!(inside < 32.0, "some lie above and below the map");
-        let votes: f32 = known.of_each[11][wall] + known.of_each[11][own];
+        let votes: f32 = known.of_each[hint::VOTES][wall] + known.of_each[hint::VOTES][own];
         assert!(votes > 1.5 && votes <= 3.0, "most say one or the other: {votes}");
     }
 
@@ -399,8 +412,10 @@ mod tests {
     fn every_level_and_number_of_threads_chooses_the_same() {
         let mut chance = Chance(9);
         let narrow = Reach { every: 1, ..NARROW };
-        let shapes =
-            [(&narrow, Layers { first: 16, second: 8 }), (&WIDE, Layers { first: 32, second: 16 })];
+        let shapes = [
+            (&narrow, Layers { context: 0, first: 16, second: 8 }),
+            (&WIDE, Layers { context: 32, first: 32, second: 16 }),
+        ];
         let judges =
             shapes.map(|(reach, layers)| (reach, judge_by_chance(reach, layers, &mut chance)));
         for (columns, (reach, judge)) in
@@ -470,7 +485,7 @@ mod tests {
             let of = |world: &World, reach, (x, y)| {
                 let mut known = Known::of(level, &world.scene(&world.given()), reach, (x, y))?;
                 // Nor of edges. What comes from outside the map does not count.
-                for i in [17, 19] {
+                for i in [hint::CHANGES, hint::VOTES_WITHOUT_EDGE] {
                     known.of_each[i].fill(0.0);
                 }
                 for of_each in &mut known.of_each {
@@ -490,7 +505,8 @@ mod tests {
     #[test]
     fn only_those_are_asked_again_that_see_where_the_map_moved() {
         let mut chance = Chance(6);
-        let judge = judge_by_chance(&WIDE, Layers { first: 16, second: 8 }, &mut chance);
+        let judge =
+            judge_by_chance(&WIDE, Layers { context: 0, first: 16, second: 8 }, &mut chance);
         let level = Level::detect();
         let values = Plane::from_fn(COLUMNS, ROWS, |x, _| truth(x + FIRST) + 3.0 * chance.share());
         let world = World::new(values);
