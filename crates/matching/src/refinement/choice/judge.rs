@@ -75,15 +75,10 @@ pub(crate) struct Judge {
 /// What a judge keeps in mind of pixels while it looks at their candidates; vectors begin where cache lines do.
 #[repr(C, align(64))]
 pub(super) struct Mind {
+    /// What all candidates have in common adds so much to the first layer.
+    own: [Sums; LARGEST],
     /// What is known of a candidate.
     pub hints: Hints,
-    /// The same of each.
-    of_each: [[Pairs; OF_EACH / 2]; MOST],
-    /// What goes into the context.
-    all: [Pairs; (MOST * IN_CONTEXT + OF_PIXEL) / 2],
-    context: [Pairs; LARGEST / 2],
-    /// What the context adds to the first layer.
-    own: [Sums; LARGEST],
     /// The first layer of a candidate.
     numbers: [Pairs; LARGEST / 2],
     /// Of each candidate, and in the end how likely it is.
@@ -92,13 +87,17 @@ pub(super) struct Mind {
     shares: [Numbers; MOST / 2],
     /// How far each is expected to be off.
     expected: [Sums; MOST],
+    /// For judges with a context: what is known of each candidate, what of that goes into the context, and that.
+    heard: [[Pairs; OF_EACH / 2]; MOST],
+    all: [Pairs; (MOST * IN_CONTEXT + OF_PIXEL) / 2],
+    context: [Pairs; LARGEST / 2],
 }
 
 impl Default for Mind {
     fn default() -> Self {
         Self {
             hints: [NONE; OF_EACH],
-            of_each: [[Line([0; LANES]); OF_EACH / 2]; MOST],
+            heard: [[Line([0; LANES]); OF_EACH / 2]; MOST],
             all: [Line([0; LANES]); (MOST * IN_CONTEXT + OF_PIXEL) / 2],
             context: [Line([0; LANES]); LARGEST / 2],
             own: [Line([0; LANES]); LARGEST],
@@ -111,28 +110,34 @@ impl Default for Mind {
 }
 
 impl Mind {
-    /// Takes the hints as those of candidate `k`.
+    /// Remembers the hints as those of candidate `k`.
     #[inline(always)]
     pub fn hear(&mut self, products: impl Products, k: usize) {
-        let [a, b, c, d, e, f, g, h, i, j] = self.hints.as_chunks().0 else {
-            unreachable!("candidates have twenty numbers")
-        };
-        // Written out: a loop would be taken for the one to work on together.
-        self.of_each[k] = [
-            products.pairs(a),
-            products.pairs(b),
-            products.pairs(c),
-            products.pairs(d),
-            products.pairs(e),
-            products.pairs(f),
-            products.pairs(g),
-            products.pairs(h),
-            products.pairs(i),
-            products.pairs(j),
-        ];
-        let [a, b, c, ..] = self.of_each[k];
+        self.heard[k] = told(products, &self.hints);
+        let [a, b, c, ..] = self.heard[k];
         self.all.as_chunks_mut::<{ IN_CONTEXT / 2 }>().0[k] = [a, b, c];
     }
+}
+
+/// What is known of a candidate, as layers take it.
+#[inline(always)]
+fn told(products: impl Products, hints: &Hints) -> [Pairs; OF_EACH / 2] {
+    let [a, b, c, d, e, f, g, h, i, j] = hints.as_chunks().0 else {
+        unreachable!("candidates have twenty numbers")
+    };
+    // Written out: a loop would be taken for the one to work on together.
+    [
+        products.pairs(a),
+        products.pairs(b),
+        products.pairs(c),
+        products.pairs(d),
+        products.pairs(e),
+        products.pairs(f),
+        products.pairs(g),
+        products.pairs(h),
+        products.pairs(i),
+        products.pairs(j),
+    ]
 }
 
 /// What a judge says of pixels.
@@ -213,7 +218,12 @@ impl Judge {
         }
     }
 
-    /// Looks at pixels, all of whose candidates were heard.
+    /// Whether it hears all candidates before it scores any.
+    pub(super) fn has_context(&self) -> bool {
+        self.layers.context > 0
+    }
+
+    /// Looks at pixels, all of whose candidates were heard if there is a context.
     #[inline(always)]
     pub(super) fn look(
         &self,
@@ -227,7 +237,7 @@ impl Judge {
         let context = match self.layers.context {
             0 => &pairs[..],
             numbers => {
-                self.hear(products, &pairs, all, context);
+                self.of_all(products, &pairs, all, context);
                 &context[..numbers / 2]
             }
         };
@@ -239,7 +249,7 @@ impl Judge {
 
     /// The context of pixels, from what is known of them and of their candidates.
     #[inline(always)]
-    fn hear(
+    fn of_all(
         &self,
         products: impl Products,
         pairs: &[Pairs],
@@ -257,11 +267,29 @@ impl Judge {
         }
     }
 
-    /// Scores candidate `k`, of which the mind has heard.
+    /// Scores candidate `k`, of which the hints are known.
     #[inline(always)]
     pub(super) fn score(&self, products: impl Products, k: usize, mind: &mut Mind) {
-        let Mind { own, of_each, numbers, scores, .. } = mind;
-        let hints = &of_each[k];
+        let Mind { hints, own, numbers, scores, .. } = mind;
+        scores[k] = self.score_of(products, k, &told(products, hints), own, numbers);
+    }
+
+    /// The same of which the mind has heard.
+    #[inline(always)]
+    pub(super) fn score_heard(&self, products: impl Products, k: usize, mind: &mut Mind) {
+        let Mind { heard, own, numbers, scores, .. } = mind;
+        scores[k] = self.score_of(products, k, &heard[k], own, numbers);
+    }
+
+    #[inline(always)]
+    fn score_of(
+        &self,
+        products: impl Products,
+        k: usize,
+        hints: &[Pairs; OF_EACH / 2],
+        own: &[Sums; LARGEST],
+        numbers: &mut [Pairs; LARGEST / 2],
+    ) -> Lanes {
         let places = self.places[k].as_chunks().0;
         let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
         let groups = groups.zip(own.as_chunks().0);
@@ -283,7 +311,7 @@ impl Judge {
                 }
             }
         }
-        scores[k] = score;
+        score
     }
 }
 
@@ -459,8 +487,12 @@ mod tests {
                 mind.hear(products, k);
             }
             judge.look(products, &block.of_pixel, &mut mind);
-            for k in 0..hints.len() {
+            for (k, hints) in hints.iter().enumerate() {
+                judge.score_heard(products, k, &mut mind);
+                let heard = mind.scores[k];
+                mind.hints = *hints;
                 judge.score(products, k, &mut mind);
+                assert_eq!(heard, mind.scores[k]);
             }
             verdict(products, block, &mut mind)
         }

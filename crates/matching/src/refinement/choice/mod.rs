@@ -203,13 +203,21 @@ fn decide(
     count: usize,
 ) -> Verdict {
     asked.compare(products, count, given, compared);
-    for k in 0..asked.candidates() {
-        asked.hints(k, &mut mind.hints);
-        mind.hear(products, k);
-    }
-    judge.look(products, &asked.of_pixel, mind);
-    for k in 0..asked.candidates() {
-        judge.score(products, k, mind);
+    if judge.has_context() {
+        for k in 0..asked.candidates() {
+            asked.hints(k, &mut mind.hints);
+            mind.hear(products, k);
+        }
+        judge.look(products, &asked.of_pixel, mind);
+        for k in 0..asked.candidates() {
+            judge.score_heard(products, k, mind);
+        }
+    } else {
+        judge.look(products, &asked.of_pixel, mind);
+        for k in 0..asked.candidates() {
+            asked.hints(k, &mut mind.hints);
+            judge.score(products, k, mind);
+        }
     }
     verdict(products, asked, mind)
 }
