@@ -293,7 +293,9 @@ impl Judge {
         let places = self.places[k].as_chunks().0;
         let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
         let groups = groups.zip(own.as_chunks().0);
-        let of_each = self.of_each.chunks_exact(hints.len());
+        // Of a length that the compiler does not know: unrolled, the loop over them takes longer.
+        let of_each =
+            self.of_each.chunks_exact(self.of_each.len() / (self.layers.first / TOGETHER));
         for ((out, own), (weights, place)) in groups.zip(of_each.zip(places)) {
             *out = layer(self.first, &weighted(products, *own, weights, hints), place);
         }
