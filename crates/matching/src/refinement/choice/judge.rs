@@ -6,10 +6,10 @@
 //! ```
 //!
 //! The context is the first few things that are known of each candidate, from the first to the last: which of them
-//! belong together. A judge without it has `V of_pixel` in place of `V c`. `u_k` belongs to the place that candidate `k` comes from. Scores become probabilities (softmax), and
-//! the candidate is taken that is expected to be off by the least, where being off by more than
-//! [`FAR`] pixels is as bad as being off by that: of several that say nearly the same the one in the
-//! middle wins, and one that stands alone must be likely.
+//! belong together. A judge without it has `V of_pixel` in place of `V c`. `u_k` belongs to the place that candidate
+//! `k` comes from. Scores become probabilities (softmax), and the candidate is taken that is expected to be off by the
+//! least, where being off by more than [`FAR`] pixels is as bad as being off by that: of several that say nearly the
+//! same the one in the middle wins, and one that stands alone must be likely.
 //!
 //! Pixels of one row are worked on side by side, in whole numbers of 16 bits
 //! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
@@ -171,8 +171,8 @@ impl Judge {
 
     /// From its numbers: of each number of the context the weights of what is known of the first candidate, of the
     /// next, then of the pixel; its offsets. Of each number of the first layer the weights of the context, or else of
-    /// what is known of the pixel; the places; the weights of what is known of each candidate. The weights of the second layer, its offsets, the
-    /// weights of the score. Those of a layer row by row.
+    /// what is known of the pixel; the places; the weights of what is known of each candidate. The weights of the
+    /// second layer, its offsets, the weights of the score. Those of a layer row by row.
     pub fn new(reach: &Reach, layers: Layers, numbers: impl IntoIterator<Item = f32>) -> Self {
         let Layers { context, first, second } = layers;
         assert!(

@@ -203,6 +203,7 @@ fn decide(
     count: usize,
 ) -> Verdict {
     asked.compare(products, count, given, compared);
+    // Where nobody has to hear all candidates first, hints are used before they leave the nearest cache.
     if judge.has_context() {
         for k in 0..asked.candidates() {
             asked.hints(k, &mut mind.hints);
