@@ -14,14 +14,19 @@
 
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u16x32};
 use rayon::prelude::*;
 
-use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::level::{Level, with_vectors};
 use crate::profile::Work;
 use crate::selection::fixed_point::HOLE;
 
-/// Pixels whose bits share a word.
+/// Pixels whose bits share a word, and a vector.
 const WORD: usize = 64;
+const HALF: usize = WORD / 2;
+/// Words that are made together.
+const TOGETHER: usize = 16;
 /// Marks a node as the root of its group; the other bits are then the group's size, not its parent.
 const ROOT: u32 = 1 << 31;
 
@@ -140,10 +145,12 @@ impl Rows<'_> {
     fn join(&mut self, level: Level, y: usize, pair: &[u16], step: u16) {
         let (above, here) = pair.split_at(self.columns);
         let (bits_above, bits) = (self.bits(y - 1), self.bits(y));
-        let mut carry = 0;
+        let (mut words, mut carry) = ([0; TOGETHER], 0);
         for w in 0..bits.len() {
-            let pixels = w * WORD..self.columns.min((w + 1) * WORD);
-            let touching = mark_touching(level, &above[pixels.clone()], &here[pixels], step);
+            if w % TOGETHER == 0 {
+                mark_touching(level, &above[w * WORD..], &here[w * WORD..], step, &mut words);
+            }
+            let touching = words[w % TOGETHER];
             // Where both rows go on and touched one pixel before, they are joined already.
             let going_on = self.joined[bits_above.start + w] & self.joined[bits.start + w];
             let mut new = touching & !((touching << 1 | carry) & going_on);
@@ -232,50 +239,65 @@ fn start_of(starts: &[u64], x: usize) -> usize {
     word * WORD + upto.ilog2() as usize
 }
 
-at_every_level! {
-    /// Sets the bits of one row: pixels that belong to their left neighbour, and the first pixels
-    /// of runs.
-    fn mark_runs(row: &[u16], step: u16, joined: &mut [u64], starts: &mut [u64]) {
-        let mut before = HOLE;
-        for (row, (joined, starts)) in row.chunks(WORD).zip(joined.iter_mut().zip(starts)) {
-            let mut pixels = [HOLE; WORD + 1];
-            pixels[0] = before;
-            pixels[1..=row.len()].copy_from_slice(row);
-            before = pixels[WORD];
-            let (mut same, mut full) = ([0; WORD], [0; WORD]);
-            for i in 0..WORD {
-                full[i] = u8::from(pixels[i + 1] != HOLE);
-                same[i] = u8::from(pixels[i].abs_diff(pixels[i + 1]) <= step);
-            }
-            let full = pack(&full);
-            *joined = pack(&same) & full;
-            *starts = full & !*joined;
-        }
-    }
+/// Sets the bits of one row: pixels that belong to their left neighbour, and the first pixels of runs.
+fn mark_runs(level: Level, row: &[u16], step: u16, joined: &mut [u64], starts: &mut [u64]) {
+    with_vectors!(level, simd => runs_of_row(simd, row, step, joined, starts));
+}
 
-    /// The bits of up to 64 pixels that belong to the pixel above.
-    fn mark_touching(above: &[u16], here: &[u16], step: u16) -> u64 {
-        let (mut a, mut b) = ([HOLE; WORD], [HOLE; WORD]);
-        a[..above.len()].copy_from_slice(above);
-        b[..here.len()].copy_from_slice(here);
-        let mut same = [0; WORD];
-        for i in 0..WORD {
-            same[i] = u8::from((a[i].abs_diff(b[i]) <= step) & (b[i] != HOLE));
-        }
-        pack(&same)
+/// Sets the bits of pixels that belong to the pixel above.
+fn mark_touching(level: Level, above: &[u16], here: &[u16], step: u16, touching: &mut [u64]) {
+    with_vectors!(level, simd => touching_of_row(simd, above, here, step, touching));
+}
+
+#[inline(always)]
+fn runs_of_row<S: Simd>(simd: S, row: &[u16], step: u16, joined: &mut [u64], starts: &mut [u64]) {
+    // Of the next pixel and the one before it: one bit further left.
+    let pairs = row.split_last().map_or(row, |(_, before)| before).chunks(WORD);
+    let pairs = pairs.zip(row[1..].chunks(WORD)).map(|(left, here)| alike(simd, left, here, step));
+    let mut carry = 0;
+    let words = row.chunks(WORD).zip(pairs.chain([0]));
+    for ((here, same), (joined, starts)) in words.zip(joined.iter_mut().zip(starts)) {
+        *joined = same << 1 | carry;
+        carry = same >> (WORD - 1);
+        // What is no hole is like itself.
+        *starts = alike(simd, here, here, 0) & !*joined;
     }
 }
 
-/// One bit for each byte, which is 0 or 1.
 #[inline(always)]
-fn pack(flags: &[u8; WORD]) -> u64 {
-    let mut bits = 0;
-    for (i, eight) in flags.as_chunks::<8>().0.iter().enumerate() {
-        // The product's highest byte collects byte j at bit j.
-        let byte = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        bits |= byte << (8 * i);
+fn touching_of_row<S: Simd>(simd: S, above: &[u16], here: &[u16], step: u16, touching: &mut [u64]) {
+    let words = above.chunks(WORD).zip(here.chunks(WORD));
+    for (touching, (above, here)) in touching.iter_mut().zip(words) {
+        *touching = alike(simd, above, here, step);
     }
-    bits
+}
+
+/// One bit for each of up to 64 pixels: it is no hole, and differs from another one by at most a step.
+#[inline(always)]
+fn alike<S: Simd>(simd: S, others: &[u16], here: &[u16], step: u16) -> u64 {
+    match (others.as_chunks().0, here.as_chunks().0) {
+        ([others], [here]) => bits_of(simd, others, here, step),
+        _ => {
+            let mut ends = [[HOLE; WORD]; 2];
+            ends[0][..others.len()].copy_from_slice(others);
+            ends[1][..here.len()].copy_from_slice(here);
+            bits_of(simd, &ends[0], &ends[1], step)
+        }
+    }
+}
+
+#[inline(always)]
+fn bits_of<S: Simd>(simd: S, others: &[u16; WORD], here: &[u16; WORD], step: u16) -> u64 {
+    let ([first, second], []) = others.as_chunks() else { unreachable!("a word has two halves") };
+    let ([here, then], []) = here.as_chunks() else { unreachable!("a word has two halves") };
+    half_of_bits(simd, first, here, step) | half_of_bits(simd, second, then, step) << HALF
+}
+
+#[inline(always)]
+fn half_of_bits<S: Simd>(simd: S, others: &[u16; HALF], here: &[u16; HALF], step: u16) -> u64 {
+    let (others, here) = (u16x32::from_slice(simd, others), u16x32::from_slice(simd, here));
+    let near = (others.max(here) - others.min(here)).simd_le(u16x32::splat(simd, step));
+    (near & here.simd_lt(u16x32::splat(simd, HOLE))).to_bitmask()
 }
 
 #[cfg(test)]
