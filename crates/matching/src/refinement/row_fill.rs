@@ -77,10 +77,11 @@ pub(crate) struct Filling {
 impl Filling {
     /// Fills all of a row between the runs that are believed. Without any, the row becomes holes.
     pub fn fill_between(&self, believed: impl Iterator<Item = Range<usize>>, mut row: Row<'_>) {
+        // At once: most runs are short.
+        row.reasons.fill(Reason::Matched);
         let mut done = 0;
         for run in believed {
             self.fill_gap(&mut row, done..run.start);
-            row.reasons[run.clone()].fill(Reason::Matched);
             done = run.end;
         }
         if done > 0 {
