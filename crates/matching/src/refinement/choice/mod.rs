@@ -28,6 +28,7 @@ mod relations;
 mod rounds;
 mod slopes;
 mod strip;
+mod verdict;
 mod windows;
 
 use std::ops::Range;
@@ -39,13 +40,14 @@ use rayon::prelude::*;
 pub(crate) use self::block::Given;
 use self::block::{Block, Compared, LANES, Scene, run};
 use self::certainty::CERTAIN;
-use self::judge::{Judge, Mind, Verdict, verdict};
+use self::judge::{Judge, Mind};
 pub(crate) use self::jury::Jury;
 pub(crate) use self::lesson::Lesson;
 pub use self::lesson::{Known, Pixel};
 use self::moved::Moved;
 use self::reach::Reach;
 pub(crate) use self::rounds::Choices;
+use self::verdict::{Verdict, verdict};
 use self::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Products;
@@ -53,7 +55,7 @@ use crate::profile::Work;
 
 /// So many rows are worked on together: pixels with a choice are gathered into full blocks, and the last one of
 /// a row mostly is not full.
-const TOGETHER: usize = 4;
+const TOGETHER: usize = 8;
 
 /// The memory of what is done some rows at a time.
 #[derive(Default)]
@@ -220,7 +222,8 @@ fn decide(
             judge.score(products, k, mind);
         }
     }
-    verdict(products, asked, mind)
+    let Mind { scores, odds, .. } = mind;
+    verdict(products, asked, scores, odds)
 }
 
 #[cfg(test)]
