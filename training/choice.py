@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Trains a judge of `balanced` or `best` (crates/matching/src/refinement/choice), appends its weights.
 
-    cargo run --release -p hazcam-training -- --preset best --out target/choices.bin
-    python3 training/choice.py target/choices.bin --preset best \
-        --weights crates/matching/src/refinement/choice/best.bin
+    cargo run --release -p hazcam-training -- --preset balanced --out target/choices.bin
+    python3 training/choice.py target/choices.bin --preset balanced \
+        --weights crates/matching/src/refinement/choice/balanced.bin
 
 once for each round of choices: every judge learns from what those before it left. `judges.sh` does all
 of that. Needs PyTorch and numpy.
@@ -23,8 +23,8 @@ from torch import nn
 
 # So many numbers of each candidate, the first of them in the context (`hint.rs`), and of a pixel.
 OF_EACH, IN_CONTEXT, OF_PIXEL = 20, 6, 6
-# Candidates (`reach.rs`) and the numbers of the context, none where there is none, and of the two layers (`jury.rs`).
-SIZES = {"balanced": (24, 0, 16, 8), "best": (32, 32, 32, 16)}
+# Candidates (`reach.rs`) and the numbers of the two layers (`jury.rs`).
+SIZES = {"balanced": (24, 16, 8), "best": (32, 32, 16)}
 BATCH = 1024
 # How far what is known is off by chance where it goes into the context, which would know scenes by heart otherwise:
 # by so much of itself, and by so much.
@@ -86,6 +86,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("samples", type=Path, nargs="+")
     parser.add_argument("--preset", choices=SIZES, required=True, help="whose judge it is")
+    parser.add_argument("--context", type=int, default=0,
+                        help="numbers that hear all candidates: 32 in every other judge of best, from the first on")
     parser.add_argument("--steps", type=int, default=15000)
     parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
     parser.add_argument("--seed", type=int, default=1, help="of all that comes by chance")
@@ -95,12 +97,12 @@ def main():
         if not file.is_file():
             parser.error(f"{file}: no such file")
     torch.manual_seed(arguments.seed)
-    truth, weight, disparities, inside, of_each, of_pixel = load(
-        arguments.samples, SIZES[arguments.preset][0])
+    candidates, *layers = SIZES[arguments.preset]
+    truth, weight, disparities, inside, of_each, of_pixel = load(arguments.samples, candidates)
     print(f"{len(truth)} pixels", flush=True)
     error = (disparities - truth).abs()
     near = (torch.exp(-((error / 1.2) ** 2)) + 0.02 * torch.exp(-error / 4) + 1e-6).log()
-    judge = Judge(*SIZES[arguments.preset])
+    judge = Judge(candidates, arguments.context, *layers)
     optimizer = torch.optim.AdamW(judge.parameters(), arguments.rate, weight_decay=1e-4)
     losses = []
     for step in range(arguments.steps):

@@ -35,8 +35,8 @@ choices() {
     cargo run --quiet --release -p hazcam-training -- --preset "$preset" --out "$out" "$@"
 }
 
-# learn PRESET WEIGHTS [--seed N] LESSONS..: appends a judge. Steps are small: more threads would not be faster, and
-# what is learned would depend on their number.
+# learn PRESET WEIGHTS [--seed N] [--context N] LESSONS..: appends a judge. Steps are small: more threads would not be
+# faster, and what is learned would depend on their number.
 learn() {
     preset=$1 to=$2
     shift 2
@@ -72,11 +72,11 @@ done
 cat $lessons/later?.bin >> $lessons/balanced.bin
 rm $lessons/left
 
-learn best $lessons/1.bin $lessons/1 &
+learn best $lessons/1.bin --context 32 $lessons/1 &
 one=$!
-learn best $lessons/2.bin $lessons/2
+learn best $lessons/2.bin --context 32 $lessons/2
 wait $one
-learn best $lessons/first.bin $lessons/1 $lessons/2 &
+learn best $lessons/first.bin --context 32 $lessons/1 $lessons/2 &
 first=$!
 for half in 1 2; do
     cp $lessons/$((3 - half)).bin $weights/best.bin
@@ -85,9 +85,10 @@ done
 wait $first
 cp $lessons/first.bin $weights/best.bin
 cp $lessons/balanced.bin $weights/balanced.bin
+# Those with a context, as the first, and those without take turns.
 another() {
     : > $lessons/another$1.bin
-    learn best $lessons/another$1.bin --seed "$1" $lessons/left1 $lessons/left2
+    learn best $lessons/another$1.bin --seed "$1" --context $(($1 % 2 ? 0 : 32)) $lessons/left1 $lessons/left2
 }
 for seed in 1 3
 do

@@ -14,24 +14,27 @@ pub(crate) struct Jury {
 }
 
 static BALANCED: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&NARROW, Layers { context: 0, first: 16, second: 8 }, include_bytes!("balanced.bin"))
+    let plain = Layers { context: 0, first: 16, second: 8 };
+    Jury::new(&NARROW, &[plain], include_bytes!("balanced.bin"))
 });
 static BEST: LazyLock<Jury> = LazyLock::new(|| {
-    Jury::new(&WIDE, Layers { context: 32, first: 32, second: 16 }, include_bytes!("best.bin"))
+    let plain = Layers { context: 0, first: 32, second: 16 };
+    Jury::new(&WIDE, &[Layers { context: 32, ..plain }, plain], include_bytes!("best.bin"))
 });
 
 impl Jury {
-    /// From the weights of the judges one after the other, 32-bit floats in the order of
-    /// [`Judge::new`]. `training/choice.py` makes them.
-    fn new(reach: &'static Reach, layers: Layers, trained: &[u8]) -> Self {
-        let (numbers, rest) = trained.as_chunks();
-        let judges = numbers.chunks_exact(Judge::numbers(reach, layers));
-        let whole = rest.is_empty() && judges.remainder().is_empty();
-        assert!(whole, "the weights are those of other layers: train the judges again");
-        let judge = |numbers: &[[u8; 4]]| {
-            Judge::new(reach, layers, numbers.iter().copied().map(f32::from_le_bytes))
-        };
-        Self { reach, judges: judges.map(judge).collect() }
+    /// From the weights of the judges one after the other, 32-bit floats in the order of [`Judge::new`]; networks
+    /// of these layers take turns. `training/choice.py` makes them.
+    fn new(reach: &'static Reach, layers: &[Layers], trained: &[u8]) -> Self {
+        let other = "the weights are those of other layers: train the judges again";
+        let (mut numbers, rest) = trained.as_chunks();
+        assert!(rest.is_empty(), "{other}");
+        let (mut judges, mut turns) = (Vec::new(), layers.iter().cycle());
+        while let (false, Some(&layers)) = (numbers.is_empty(), turns.next()) {
+            let own = numbers.split_off(..Judge::numbers(reach, layers)).expect(other);
+            judges.push(Judge::new(reach, layers, own.iter().copied().map(f32::from_le_bytes)));
+        }
+        Self { reach, judges }
     }
 
     /// That of `balanced`, or else that of `best`.
