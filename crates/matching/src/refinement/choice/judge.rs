@@ -1,4 +1,4 @@
-//! The judge: a small network that scores each candidate of a pixel with the same weights, in the light of all.
+//! The judge: a small network that scores each candidate of a pixel with the same weights, some in the light of all.
 //!
 //! ```text
 //! c   = max(0, C (context, of_pixel) + a)
