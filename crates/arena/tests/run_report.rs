@@ -182,6 +182,24 @@ fn a_crash_is_a_row_and_the_rest_goes_on() {
 }
 
 #[test]
+fn a_scene_without_an_answer_is_in_no_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let answer = folder.path().join("answer.npy");
+    npy::write(&answer, &Plane::filled(4, 1, 10f32)).unwrap();
+    let script = format!("[ $i = 1 ] || exit 7; cp {} disparity.npy;", answer.display());
+    let records = outcome(&plan(vec![engine(folder.path(), "once", &script)], 1)).records;
+    assert_eq!(p_bads(&records), [Some(0.0), None]);
+    let answered = records[0].usage.cpu_seconds;
+    let summaries = report::summaries(&records, None);
+    let overall = summaries.last().unwrap();
+    assert_eq!((overall.scenes, overall.failed), (1, 1));
+    assert_eq!(overall.mean_cpu_seconds, answered);
+    let csv = report::overview_table(&records).to_csv();
+    let expected = answered.map_or(String::new(), |seconds| (seconds * 1e3).to_string());
+    assert_eq!(csv.trim_end().rsplit(',').next(), Some(&expected[..]), "{csv}");
+}
+
+#[test]
 fn two_jobs_work_at_once_and_their_records_keep_the_order() {
     let folder = tempfile::tempdir().unwrap();
     let told = folder.path().display();

@@ -153,6 +153,12 @@ impl Record {
         Measure::named(measure)?.value(self.scores_of(region)?)
     }
 
+    /// CPU time in seconds until there was an answer; `None` where there is none, since what a crash
+    /// or a time limit cut short says nothing of that, and where the system does not tell.
+    pub fn answer_cpu_seconds(&self) -> Option<f64> {
+        self.usage.cpu_seconds.filter(|_| self.status == Status::Done)
+    }
+
     /// Writes the record as JSON, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), FormatError> {
         write_atomically(path, |writer| {

@@ -28,7 +28,7 @@ pub fn overview_table(records: &[Record]) -> Table {
             },
         }));
         let times: Vec<f64> =
-            own.iter().flatten().filter_map(|record| record.usage.cpu_seconds).collect();
+            own.iter().flatten().filter_map(|record| record.answer_cpu_seconds()).collect();
         let mean = times.iter().sum::<f64>() / times.len() as f64;
         row.push(Cell::number((!times.is_empty()).then_some(mean * 1e3), 0));
         table.push(row);

@@ -40,7 +40,7 @@ pub struct Summary {
     pub ratio_scenes: usize,
     /// Largest ratio, and its scene.
     pub worst_ratio: Option<(f64, String)>,
-    /// Mean CPU time in seconds.
+    /// Mean CPU time of its answers in seconds.
     pub mean_cpu_seconds: Option<f64>,
 }
 
@@ -99,7 +99,7 @@ fn summary(
         ratio: mean(&logarithms).map(f64::exp),
         ratio_scenes: ratios.len(),
         worst_ratio: largest(ratios),
-        mean_cpu_seconds: mean_of(&|record| record.usage.cpu_seconds),
+        mean_cpu_seconds: mean_of(&Record::answer_cpu_seconds),
     }
 }
 
