@@ -11,6 +11,9 @@ use crate::submission::Part;
 /// The course's six tests, `grading/course.toml`.
 pub const COURSE: &str = include_str!("../../grading/course.toml");
 
+/// The longest limit of CPU time: longer than any grading lasts, and clocks can count it.
+const MOST_SECONDS: f64 = 1e6;
+
 /// Tests with their thresholds and points, and where their scenes come from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -143,6 +146,12 @@ impl Test {
         };
         positive("max_e_rms", self.max_e_rms)?;
         positive("cpu_seconds", self.cpu_seconds)?;
+        if self.cpu_seconds > MOST_SECONDS {
+            return Err(format!(
+                "cpu_seconds is {}, but it must be at most {MOST_SECONDS} seconds",
+                self.cpu_seconds
+            ));
+        }
         if !(0.0..=1.0).contains(&self.max_p_bad) {
             return Err(format!(
                 "max_p_bad is {}, but it is a share and must be from 0 to 1",
@@ -187,6 +196,8 @@ mod tests {
         assert!(refused("Part 1, Teddy", "Part 1, Cones").contains("names must be unique"));
         assert!(refused("points = 6", "point = 6").contains("unknown field `point`"));
         assert!(refused("cpu_seconds = 600", "cpu_seconds = 0").contains("greater than 0"));
+        let text = refused("cpu_seconds = 600", "cpu_seconds = 1e300");
+        assert!(text.contains("must be at most 1000000 seconds"), "{text}");
         let none = Scheme::parse("name = 'x'\ntest = []", Path::new("a")).unwrap_err();
         assert!(none.to_string().contains("no [[test]]"));
     }
