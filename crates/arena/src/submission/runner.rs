@@ -69,10 +69,11 @@ pub fn is_secret_id(text: &str) -> bool {
 }
 
 /// Characters without a picture that change how others are shown, by which one name could look
-/// like another: zero-width ones, marks of direction.
+/// like another: zero-width ones, marks of direction, tags.
 fn is_invisible(c: char) -> bool {
-    matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
-        | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}')
+    matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}'
+        | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
+        | '\u{fff9}'..='\u{fffb}' | '\u{e0001}'..='\u{e007f}')
 }
 
 impl Runner {
@@ -124,6 +125,12 @@ mod tests {
             ["abc", &"x".repeat(33), "a\nbcd", " abcd", "abcd ", "ab\u{202e}cd", "ab\u{200b}cd"]
         {
             assert!(!is_secret_id(bad), "{bad:?}");
+        }
+        // Each looks like `abcd`, so it could stand on a board for somebody else.
+        for unseen in
+            ['\u{ad}', '\u{61c}', '\u{180e}', '\u{200b}', '\u{202e}', '\u{feff}', '\u{e0041}']
+        {
+            assert!(!is_secret_id(&format!("ab{unseen}cd")), "{unseen:?}");
         }
     }
 
