@@ -79,23 +79,30 @@ pub(crate) fn listen_to_log(output: impl Read + Send + 'static, log: Log) -> Rec
 
 fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>) {
     let mut line = Vec::new();
+    let mut goes_on = false;
     loop {
         line.clear();
-        // A line longer than a message may be is no message: its pieces are chatter.
         let count = output.by_ref().take(LINE_LIMIT as u64).read_until(b'\n', &mut line);
         let heard = match count {
             Ok(0) | Err(_) => {
                 let _ = sender.send(Heard::Closed);
                 return;
             }
-            Ok(_) => match std::str::from_utf8(&line).map_or(Line::Chatter, parse_line) {
-                Line::Message(message) => Heard::Message(message),
-                Line::Broken(why) => Heard::Broken(why),
-                Line::Chatter => {
-                    log.push(&line);
-                    continue;
+            Ok(count) => {
+                // A line longer than a message may be is no message: its pieces are chatter.
+                let begins = !goes_on;
+                goes_on = !line.ends_with(b"\n");
+                let whole = begins && !(goes_on && count == LINE_LIMIT);
+                let text = std::str::from_utf8(&line).ok().filter(|_| whole);
+                match text.map_or(Line::Chatter, parse_line) {
+                    Line::Message(message) => Heard::Message(message),
+                    Line::Broken(why) => Heard::Broken(why),
+                    Line::Chatter => {
+                        log.push(&line);
+                        continue;
+                    }
                 }
-            },
+            }
         };
         if sender.send(heard).is_err() {
             // Nobody waits for messages any more; the rest is drained so that the process can end.
@@ -120,6 +127,19 @@ mod tests {
         );
         assert!(log.text().starts_with("hello\n") && log.text().ends_with("\nbye"));
         assert_eq!(log.last_line().as_deref(), Some("bye"));
+    }
+
+    #[test]
+    fn no_piece_of_a_longer_line_is_a_message() {
+        let message = "{\"hazcam\":\"done\",\"job\":1}";
+        let behind = format!("{}{message}\n", ".".repeat(LINE_LIMIT));
+        let before = format!("{message}{}.\n", " ".repeat(LINE_LIMIT - message.len()));
+        for line in [behind, before] {
+            let output = std::io::Cursor::new(format!("{line}{message}\n"));
+            let heard: Vec<_> = listen(output, Log::default()).iter().collect();
+            let done = Heard::Message(FromEngine::Done { job: 1, seconds: None });
+            assert_eq!(heard, [done, Heard::Closed]);
+        }
     }
 
     #[test]
