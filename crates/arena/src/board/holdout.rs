@@ -82,6 +82,11 @@ impl Holdout {
                 scheme.tests.len()
             )));
         };
+        if test.max_p_bad == 0.0 {
+            return Err(wrong(
+                "max_p_bad is 0, but p_bad is divided by it: it must be greater than 0".into(),
+            ));
+        }
         let source = scheme.scenes.get(&test.scene).ok_or_else(|| {
             wrong(format!("it has no [scene.{0}]; the test is on `{0}`", test.scene))
         })?;
@@ -210,6 +215,8 @@ mod tests {
         assert!(refused(&format!("{test}{again}")).contains("it has 2 tests"));
         assert!(refused("nonsense").contains("holdout.toml"));
         let scene = "[scene.s]\nleft = 'l.png'\nright = 'r.png'\ntruth = 't.pfm'\n";
+        let strictest = test.replace("max_p_bad = 0.1", "max_p_bad = 0");
+        assert!(refused(&format!("{strictest}{scene}")).contains("max_p_bad is 0, but p_bad is"));
         std::fs::write(&path, format!("{test}{scene}")).unwrap();
         let holdout = Holdout::read(&path).unwrap();
         let SceneSource::Files { left, .. } = &holdout.source else { panic!("files") };
