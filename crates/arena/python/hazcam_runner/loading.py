@@ -36,7 +36,7 @@ def load(folder, name):
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
-        missing = (error.name or "").split(".")[0]
-        if missing in older.REQUIRED:
-            raise older.Missing(missing) from error
+        # The package itself: a part of it that was never there is the submission's mistake.
+        if error.name in older.REQUIRED:
+            raise older.Missing(error.name) from error
         raise

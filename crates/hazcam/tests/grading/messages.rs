@@ -62,6 +62,11 @@ const MISTAKES: &[(&str, &str, &[&str])] = &[
         &["line 1", "No module named 'stereo_tools'", "hand the file in, or remove the import"],
     ),
     (
+        "from numpy.oldnumeric import zeros\ndef NAME(Il, Ir, bbox, maxd):\n    return Il\n",
+        "RE",
+        &["line 1", "No module named 'numpy.oldnumeric'", "remove the import"],
+    ),
+    (
         "from secret_id import missing\ndef NAME(Il, Ir, bbox, maxd):\n    return Il\n",
         "RE",
         &["line 1", "cannot import name 'missing' from 'secret_id' (secret_id.py)"],
