@@ -122,9 +122,9 @@ def for_syntax(error):
         if "\t" in (error.text or ""):
             return "this line is indented with a tab, others with spaces: use spaces everywhere"
         return "lines of one block must begin in the same column"
-    if re.match(r"print\b", line) or "Missing parentheses in call to 'print'" in message:
+    if re.match(r"print\b(?!\s*\()", line) or "Missing parentheses in call to 'print'" in message:
         return "this is Python 2: write print(...)"
-    if re.match(r"except\b.*,", line) or "except" in message:
+    if re.match(r"except\b[^(]*,", line) or "exception types" in message:
         return "this is Python 2: write `except Error as name:`"
     if line.startswith(("%", "!")):
         return "this line belongs to a notebook: remove it"

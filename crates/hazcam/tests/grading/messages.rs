@@ -99,6 +99,20 @@ fn every_mistake_is_told_where_it_is_and_what_to_do() {
 }
 
 #[test]
+fn mistakes_in_python_3_are_not_taken_for_python_2() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    for body in [
+        "    try:\n        Id = Il\n    return Id\n",
+        "    try:\n        return Il\n    except (OSError, ValueError) as error\n        return Ir\n",
+        "    print('hello'\n    return Il\n",
+    ] {
+        let report = classroom.grade_source(&format!("def NAME(Il, Ir, bbox, maxd):\n{body}"));
+        report.expect("RE", &["SyntaxError"]);
+        assert!(!report.message(0).contains("Python 2"), "{}", report.message(0));
+    }
+}
+
+#[test]
 fn drawing_libraries_may_be_imported_and_not_used() {
     let Some(classroom) = Classroom::with_python() else { return };
     // A name that is surely not installed, of a library that has a stand-in where it is missing.
