@@ -150,6 +150,10 @@ fn programs_of_the_robust_vision_form_run_once_per_pair() {
         assert_eq!(attempt.claimed_seconds, Some(0.25));
         assert_eq!(attempt.answer.unwrap().disparity, Plane::filled(SIZE.0, SIZE.1, 5.0));
     }
+    // By -1 programs say that they do not know.
+    let unknown = script.replace("echo 0.25", "echo -1");
+    let unknown = ask(&mut worker(scripted(folder.path(), "robust-vision", &unknown)), 0);
+    assert_eq!((unknown.status, unknown.claimed_seconds), (Status::Done, None));
     let negative = ask(&mut fake, -1).status;
     assert!(negative.to_string().contains("search from 0"), "{negative}");
     let mut idle = worker(scripted(folder.path(), "robust-vision", "true"));

@@ -159,5 +159,6 @@ fn claimed_seconds(out: &Path) -> Option<f64> {
     let path = only_file(out, "time", ".txt").ok()?;
     let small = fs::metadata(&path).is_ok_and(|found| found.len() < 4096);
     let text = small.then(|| fs::read_to_string(&path).ok())??;
-    text.split_whitespace().next()?.parse().ok().filter(|seconds: &f64| seconds.is_finite())
+    let seconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    (seconds.is_finite() && seconds >= 0.0).then_some(seconds)
 }
