@@ -1,5 +1,6 @@
 //! One run of one test, from empty folders to scores or the reason why there are none.
 
+use std::fs;
 use std::io;
 use std::path::PathBuf;
 use std::process::Command;
@@ -15,7 +16,7 @@ use super::scene::Scene;
 use super::scheme::Test;
 use super::verdict::{Failure, judge};
 use crate::engine::protocol::Job;
-use crate::engine::{self, Definition, Kind, Pair, Programs, Usage, exchange};
+use crate::engine::{self, Definition, Kind, Pair, Programs, Status, Usage, exchange};
 use crate::submission::{self, Part, Runner, Submission};
 
 /// What came of one run.
@@ -25,12 +26,14 @@ pub(super) struct Attempt {
     pub startup: Usage,
     /// What was said besides messages.
     pub log: String,
+    /// Whether it ended because something is not installed, by its own word.
+    absent: bool,
 }
 
 impl Attempt {
     fn failed(failure: Failure) -> Self {
         let (usage, startup) = (Usage::default(), Usage::default());
-        Self { result: Err(failure), usage, startup, log: String::new() }
+        Self { result: Err(failure), usage, startup, log: String::new(), absent: false }
     }
 
     /// A run that ended by the grader's fault.
@@ -70,12 +73,36 @@ impl Bench<'_> {
         };
         let (left, right, bounds) = (&scene.left, &scene.right, scene.bounds);
         let pair = Pair { left, right, bounds, range };
-        match kind {
+        let attempt = match kind {
             Kind::Protocol => self.run_protocol(command, &readable, &place, cpu, &pair, scene),
             Kind::RobustVision => {
                 self.run_robust_vision(command, &readable, &place, cpu, &pair, scene)
             }
+        };
+        match (entrant, &attempt.result) {
+            (Entrant::Submission(_), Err(said)) if attempt.absent && !self.lacks_something(cpu) => {
+                let message = format!(
+                    "it says that this machine lacks something, but numpy and scipy are installed: {}",
+                    said.message
+                );
+                Attempt { result: Err(Failure::new(Outcome::Bad, message)), ..attempt }
+            }
+            _ => attempt,
         }
+    }
+
+    /// Whether Python lacks what submissions may rely on. A submission is not believed: it runs in the
+    /// process that says so.
+    fn lacks_something(&self, cpu: Duration) -> bool {
+        let (Ok(runner), Ok(place)) = (self.runner, Workplace::new()) else { return true };
+        let part = Part::Fast;
+        let module = place.home().join(format!("{}.py", part.function()));
+        if fs::write(module, "import scipy\n").is_err() {
+            return true;
+        }
+        let command = submission::engine(runner, &place.home(), part);
+        let started = self.confinement.start(command, &runner.readable(), &place, cpu);
+        started.is_err()
     }
 
     /// The process to start, what it must be able to read, and how it is spoken to.
@@ -214,8 +241,9 @@ impl Bench<'_> {
         read: impl FnOnce() -> Result<(Plane<f32>, Scores), Failure>,
     ) -> Attempt {
         let result = judge(&ended, self.confinement.allowance.start).and_then(|()| read());
+        let absent = matches!(ended.status, Status::Absent { .. });
         let Ended { usage, startup, log, .. } = ended;
-        Attempt { result, usage, startup, log }
+        Attempt { result, usage, startup, log, absent }
     }
 
     /// What can be seen in a submission without running its matchers.

@@ -80,6 +80,19 @@ fn last_words_excuse_nobody() {
 }
 
 #[test]
+fn nobody_can_say_that_the_grader_lacks_something() {
+    let Some(classroom) = Classroom::with_scipy() else { return };
+    let message = r#"{"hazcam":"absent","message":"no numpy"}"#;
+    let source = format!(
+        "import os\nfor k in range(3, 16):\n    try: os.write(k, b'{message}\\n')\n    except OSError: \
+         pass\n{HONEST}"
+    );
+    let report = classroom.grade_source(&source);
+    report.expect("BAD", &["no numpy", "numpy and scipy are installed"]);
+    classroom.expect_the_next_to_pass();
+}
+
+#[test]
 fn no_process_is_started() {
     expect_all(&[
         ("while True: os.fork()", "RE", &["PermissionError"], &["may not start programs"]),
