@@ -19,7 +19,8 @@ pub struct Counts {
     pub kept: usize,
     /// Whose map has no value.
     pub without_disparity: usize,
-    /// Whose disparity, with `doffs`, is of nothing in front of the cameras.
+    /// Whose disparity, with `doffs`, is of nothing in front of the cameras, or of a depth that no float
+    /// of 32 bits holds.
     pub behind: usize,
     /// Less sure than they must be.
     pub unsure: usize,
@@ -46,12 +47,18 @@ pub fn depths(
             Some(depth) if limits.max_depth.is_some_and(|most| depth > most) => {
                 (&mut counts.too_far, None)
             }
+            Some(depth) if !is_held(depth as f32) => (&mut counts.behind, None),
             Some(depth) => (&mut counts.kept, Some(depth)),
         };
         *count += 1;
         depth.map_or(f32::NAN, |depth| depth as f32)
     });
     (depths, counts)
+}
+
+/// Whether a depth is still one as a float of 32 bits, neither infinite nor nothing.
+fn is_held(depth: f32) -> bool {
+    depth.is_finite() && depth > 0.0
 }
 
 #[cfg(test)]
@@ -70,6 +77,19 @@ mod tests {
         assert!(depth.samples()[1..].iter().all(|depth| depth.is_nan()));
         let expected = Counts { kept: 1, without_disparity: 1, behind: 2, unsure: 1, too_far: 1 };
         assert_eq!(counts, expected);
+    }
+
+    #[test]
+    fn a_depth_that_no_float_holds_is_none() {
+        // Files in another byte order than they say are full of such disparities.
+        for (baseline, disparity) in [(0.5, 1e-40), (1e-20, 1e38)] {
+            let camera = StereoCamera::new(700.0, baseline, 0.0, 0.0, 0.0).unwrap();
+            let map = Plane::filled(1, 1, disparity);
+            let limits = Limits { confidence: None, max_depth: None };
+            let (depth, counts) = depths(&map, &camera, &limits);
+            assert!(depth.samples()[0].is_nan());
+            assert_eq!(counts, Counts { behind: 1, ..Counts::default() });
+        }
     }
 
     #[test]

@@ -139,7 +139,8 @@ fn all<'a>(
 ) -> Vec<Output<'a>> {
     let of_depth = |&depth: &f32| {
         let error = camera.depth_uncertainty(f64::from(depth), args.disparity_error);
-        error.map_or(f32::NAN, |error| error as f32)
+        let error = error.map(|error| error as f32).filter(|error| error.is_finite());
+        error.unwrap_or(f32::NAN)
     };
     let mut all = Vec::new();
     if let Some(path) = &args.output {
