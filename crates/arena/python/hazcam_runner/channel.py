@@ -16,14 +16,15 @@ class Channel:
 
     def __init__(self):
         self._jobs = os.fdopen(os.dup(0), "r", encoding="utf-8")
-        self._answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+        # Of a name that is no UTF-8 Python makes a text that is none either, and messages must be.
+        self._answers = os.fdopen(os.dup(1), "w", encoding="utf-8", errors="replace")
         nothing = os.open(os.devnull, os.O_RDONLY)
         os.dup2(nothing, 0)
         os.close(nothing)
         os.dup2(2, 1)
 
     def _send(self, message):
-        self._answers.write(json.dumps(message) + "\n")
+        self._answers.write(json.dumps(message, ensure_ascii=False) + "\n")
         self._answers.flush()
 
     def ready(self, name=None):

@@ -39,7 +39,7 @@ def _inspect(channel, folder):
     channel.ready(identifier)
     job = channel.job()
     if job is not None:
-        channel.failed(job, "FINDINGS", json.dumps(findings))
+        channel.failed(job, "FINDINGS", json.dumps(findings, ensure_ascii=False))
 
 
 def _run(channel, folder, name):

@@ -82,6 +82,16 @@ const MISTAKES: &[(&str, &str, &[&str])] = &[
         "RE",
         &["RecursionError", "write it as a loop"],
     ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    open('no' + chr(0xdcff))\n",
+        "RE",
+        &["line 2", "FileNotFoundError", "hand in what is needed there"],
+    ),
+    (
+        "def NAME(Il, Ir, bbox, maxd):\n    raise ValueError(chr(0xd800) + 9000 * chr(0x1f600))\n",
+        "RE",
+        &["line 2", "ValueError: ?\u{1f600}"],
+    ),
     ("", "RE", &["there is no function"]),
     ("\0", "RE", &["null bytes"]),
 ];
