@@ -8,13 +8,21 @@ use formats::FormatError;
 use matching::Options;
 use raster::BoundingBox;
 
+/// A box, and the file that it was read from if it was.
+#[derive(Debug, Clone)]
+pub struct GivenBox {
+    pub bounds: BoundingBox,
+    pub file: Option<PathBuf>,
+}
+
 /// A box: `x0,y0,x1,y1`, or the course's file `*_bounds.npy`.
-pub fn bounding_box(text: &str) -> Result<BoundingBox, FormatError> {
+pub fn bounding_box(text: &str) -> Result<GivenBox, FormatError> {
     let is_file = Path::new(text).extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
-    match is_file {
-        true => formats::read_bounding_box(text),
-        false => formats::parse_bounding_box(text),
-    }
+    let bounds = match is_file {
+        true => formats::read_bounding_box(text)?,
+        false => formats::parse_bounding_box(text)?,
+    };
+    Ok(GivenBox { bounds, file: is_file.then(|| text.into()) })
 }
 
 /// How many work at once.

@@ -151,6 +151,10 @@ fn an_output_that_cannot_be_written() {
 fn an_output_that_would_replace_an_input_or_another_output() {
     let folder = Folder::with_pair(24, 16);
     folder.refuses("match left.png right.png -o ./left.png", &["would replace an input"]);
+    let bounds = Plane::new(2, 2, vec![2, 20, 1, 12]).unwrap();
+    formats::npy::write(folder.path("box.npy"), &bounds).unwrap();
+    let expected = ["--output box.npy would replace an input"];
+    folder.refuses("match left.png right.png --box box.npy -o box.npy", &expected);
     let expected = ["--output and --preview both name d.png"];
     folder.refuses("match left.png right.png -o d.png --preview d.png", &expected);
     std::fs::create_dir(folder.path("deep")).unwrap();

@@ -12,7 +12,7 @@ use anyhow::{Context, bail};
 use matching::{Doubt, Holes, Matcher, Options, Preset, VerticalDisparity, doubts};
 use raster::{BoundingBox, DisparityRange, Image};
 
-use crate::arguments;
+use crate::arguments::{self, GivenBox};
 use crate::clock::Stopwatch;
 use crate::ui::Ui;
 use outputs::Outputs;
@@ -86,7 +86,7 @@ pub struct Args {
     /// the whole image]
     #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
     #[arg(help_heading = "Matching")]
-    bounds: Option<BoundingBox>,
+    bounds: Option<GivenBox>,
 
     /// What becomes of pixels without a trustworthy match: filled from their surroundings, or left
     /// without a value
@@ -133,7 +133,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         confidence: args.confidence.clone(),
         reasons: args.reasons.clone(),
     };
-    outputs.check([args.left.as_path(), &args.right])?;
+    let file_of_box = args.bounds.as_ref().and_then(|given| given.file.as_ref());
+    let inputs = [Some(&args.left), Some(&args.right), file_of_box].into_iter().flatten();
+    outputs.check(&inputs.map(PathBuf::as_path).collect::<Vec<_>>())?;
 
     let mut left = formats::read_image(&args.left)?;
     let mut right = formats::read_image(&args.right)?;
@@ -157,11 +159,12 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
     let spinner = ui.spinner(format!("matching ({})", options.preset));
     let stopwatch = Stopwatch::start();
-    matcher.compute(&left, &right, args.bounds)?;
+    let given = args.bounds.as_ref().map(|given| given.bounds);
+    matcher.compute(&left, &right, given)?;
     let elapsed = stopwatch.elapsed();
     spinner.finish_and_clear();
 
-    let bounds = args.bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
+    let bounds = given.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
     let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
     let inputs = Inputs { left: &args.left, right: &args.right, bits: args.bits };
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
@@ -194,7 +197,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     }
     if args.profile {
         // The first frame is also the one for which memory is fetched.
-        matcher.compute(&left, &right, args.bounds)?;
+        matcher.compute(&left, &right, given)?;
         ui.print(&profile::table(&matcher, bounds))?;
     }
     Ok(ExitCode::SUCCESS)
@@ -239,7 +242,7 @@ fn check_pair(args: &Args, left: &Image, right: &Image) -> anyhow::Result<()> {
             right.rows()
         );
     }
-    if let Some(bounds) = args.bounds {
+    if let Some(GivenBox { bounds, .. }) = &args.bounds {
         bounds
             .check_within(left.columns(), left.rows())
             .with_context(|| format!("--box does not fit {}", args.left.display()))?;

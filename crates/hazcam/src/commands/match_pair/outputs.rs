@@ -64,9 +64,9 @@ impl Outputs {
     }
 
     /// Errors when a file cannot be written, as far as that can be told before there is a map.
-    pub fn check(&self, inputs: [&Path; 2]) -> anyhow::Result<()> {
+    pub fn check(&self, inputs: &[&Path]) -> anyhow::Result<()> {
         let tiny = DisparityMap::empty(1, 1);
-        outputs::check(&self.all(&tiny, DisparityRange::new(0, 1)?, ""), &inputs)
+        outputs::check(&self.all(&tiny, DisparityRange::new(0, 1)?, ""), inputs)
     }
 
     /// Every file that was asked for, and what goes into it.

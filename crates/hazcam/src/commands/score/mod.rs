@@ -8,10 +8,9 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use formats::Encoding;
-use raster::BoundingBox;
 use score::{Evaluation, Region, suspected_scale};
 
-use crate::arguments;
+use crate::arguments::{self, GivenBox};
 use crate::cli::THRESHOLD_FAILED;
 use crate::ui::Ui;
 use report::{Format, Map, Report};
@@ -56,7 +55,7 @@ pub struct Args {
     /// the whole image]
     #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
     #[arg(help_heading = "Region")]
-    bounds: Option<BoundingBox>,
+    bounds: Option<GivenBox>,
 
     /// Score only pixels where this 8-bit picture is 255: mask0nocc.png of Middlebury and ETH3D
     #[arg(long, value_name = "FILE", help_heading = "Region")]
@@ -93,7 +92,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         (Some(mask), Some(path)) => Region::masked(path.display().to_string(), mask),
         _ => Region::whole(),
     };
-    let region = region.within(args.bounds);
+    let region = region.within(args.bounds.as_ref().map(|given| given.bounds));
     let context =
         || format!("cannot score {} against {}", args.estimate.display(), args.truth.display());
     let evaluation = Evaluation::new(&estimate.values, &truth.values).with_context(context)?;
