@@ -24,6 +24,13 @@ impl<'a> Output<'a> {
     ) -> Self {
         Self { option, path: path.into(), write: Box::new(write) }
     }
+
+    /// A text that an option asked for.
+    pub fn text(option: &'static str, path: impl Into<PathBuf>, text: &'a str) -> Self {
+        Self::new(option, path, move |path| {
+            formats::write_atomically(path, |file| file.write_all(text.as_bytes()))
+        })
+    }
 }
 
 /// Errors when a file would replace an input or another output, when its extension is unknown, or

@@ -385,9 +385,14 @@ fn mistakes_are_named() {
             ["export", "no/such/board.html", "--quiet"],
             "no/such/board.html: the folder no/such does not exist; create it first\n",
         ),
+        (
+            ["export", "./board.sqlite", "--quiet"],
+            "FILE.html ./board.sqlite would replace an input: name another file\n",
+        ),
     ] {
         let (status, _, stderr) = course.run(&arguments);
         assert_eq!(status, 2);
         assert!(stderr.contains(words), "{arguments:?}: {stderr}");
     }
+    assert!(course.done(&["show"]).contains("fast"), "the board is as it was");
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use arena::board::{Board, Picture, standings};
 use arena::viewer::{BoardPage, board_page};
 
+use crate::outputs::{self, Output};
 use crate::ui::Ui;
 
 /// Write the board as one HTML page that opens without a network
@@ -30,13 +31,15 @@ pub struct Args {
 /// Writes it.
 pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let board = Board::open(path)?;
+    let page = |text| [Output::text("FILE.html", &args.output, text)];
+    outputs::check(&page(""), &[path])?;
     let holdout = board.holdout()?.0;
     let standings = standings(board.entries()?, &holdout.test);
     let pictures: Vec<Vec<Picture>> = standings
         .iter()
         .map(|standing| board.pictures(&standing.entry.secret_id))
         .collect::<Result<_, _>>()?;
-    let page = board_page(&BoardPage {
+    let text = board_page(&BoardPage {
         title: &args.title,
         standings: &standings,
         pictures: &pictures,
@@ -44,11 +47,11 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         holdout: &holdout,
         reveals_holdout: args.reveal_holdout,
     });
-    formats::write_atomically(&args.output, |file| file.write_all(page.as_bytes()))?;
+    outputs::write_all_or_none(&page(&text))?;
     ui.note(format_args!(
         "{} entries, {:.1} MB: {}",
         standings.len(),
-        page.len() as f64 / 1e6,
+        text.len() as f64 / 1e6,
         args.output.display()
     ));
     Ok(ExitCode::SUCCESS)
