@@ -124,6 +124,7 @@ fn no_score_is_written_when_the_grader_failed() {
 #[test]
 fn mistakes_on_the_command_line_are_named() {
     let Some(classroom) = Classroom::without_python() else { return };
+    std::fs::write(classroom.path("handin.tar"), "hand-in").unwrap();
     std::fs::write(classroom.path("bad.toml"), "name = 'x'\n[[test]]\nname = 'a'\n").unwrap();
     for (arguments, words) in [
         (&[][..], "name a submission, or engines with --matcher"),
@@ -134,6 +135,16 @@ fn mistakes_on_the_command_line_are_named() {
         (&["--matcher", "fast", "--scheme", "none.toml"], "cannot read none.toml"),
         (&["--matcher", "fast", "--cpu-limit", "0"], "give seconds from 0.1"),
         (&["--matcher", "fast", "--data", "nowhere"], "nowhere"),
+        // What cannot be written is told before the work, and no input is replaced.
+        (&["--matcher", "fast", "-o", "no/results.json"], "the folder no does not exist"),
+        (
+            &["handin.tar", "-o", "./handin.tar"],
+            "--output ./handin.tar would replace an input: name another file",
+        ),
+        (
+            &["--matcher", "fast", "--scheme", "small.toml", "-o", "small.toml"],
+            "--output small.toml would replace an input: name another file",
+        ),
     ] {
         let (status, stdout, stderr) = classroom.run(arguments);
         assert_eq!((status, stdout.as_str()), (2, ""), "{arguments:?}");

@@ -37,6 +37,11 @@ impl EntrantArguments {
         Ok(())
     }
 
+    /// The submission's folder or archive, if it is one.
+    pub fn submission(&self) -> Option<&Path> {
+        self.submission.as_deref()
+    }
+
     /// The engines' names, if it is engines.
     pub fn matcher(&self) -> Option<String> {
         self.matcher.clone()

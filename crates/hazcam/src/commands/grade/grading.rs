@@ -170,6 +170,11 @@ impl Workshop {
 }
 
 impl GradingArguments {
+    /// The file of the scheme, if one was named.
+    pub fn scheme(&self) -> Option<&Path> {
+        self.scheme.as_deref()
+    }
+
     /// Says what it means when entrants run without a sandbox.
     pub fn warn_if_unconfined(&self, ui: &Ui) {
         if self.no_sandbox {

@@ -7,7 +7,7 @@ pub mod entrant;
 pub mod grading;
 pub mod scenes;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::bail;
@@ -15,6 +15,7 @@ use arena::grade::output::{autolab, gradescope, junit, text};
 use arena::grade::{COURSE, Event, Outcome, Report};
 
 use crate::cli::{ERROR, THRESHOLD_FAILED};
+use crate::outputs::{self, Output};
 use crate::ui::Ui;
 use entrant::EntrantArguments;
 use grading::{GradingArguments, Workshop};
@@ -71,6 +72,9 @@ pub struct Args {
     print_scheme: bool,
 }
 
+/// The option that names the file of results.
+const OUTPUT: &str = "--output";
+
 fn points(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(points) if points.is_finite() => Ok(points),
@@ -85,6 +89,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     args.entrant.check()?;
+    args.check_output()?;
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
@@ -114,7 +119,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let results = results(&args.format, &report)?;
     match &args.output {
         Some(path) => {
-            formats::write_atomically(path, |file| file.write_all(results.as_bytes()))?;
+            outputs::write_all_or_none(&[Output::text(OUTPUT, path, &results)])?;
         }
         None => {
             shown?;
@@ -126,6 +131,17 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         Some(points) if report.points < points => THRESHOLD_FAILED.into(),
         _ => ExitCode::SUCCESS,
     })
+}
+
+impl Args {
+    /// Errors when the results could not be written, or would replace what they are made from: grading takes
+    /// long.
+    fn check_output(&self) -> anyhow::Result<()> {
+        let Some(path) = &self.output else { return Ok(()) };
+        let inputs = [self.entrant.submission(), self.grading.scheme()];
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
+        outputs::check(&[Output::text(OUTPUT, path, "")], &inputs)
+    }
 }
 
 /// Prints one event of a grading.
