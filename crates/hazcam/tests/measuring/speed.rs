@@ -96,6 +96,8 @@ fn what_cannot_be_is_refused() {
         ("bench --speed --out results", "cannot be used with"),
         ("bench --speed --record speed.json --recorded", "cannot read speed.json"),
         ("bench --speed --record other.json", "other.json holds no record of"),
+        // Before anything is chosen or measured.
+        ("bench --speed --scenes none --record no/speed.json", "the folder no does not exist"),
         ("bench --speed --into page.md", "put the lines <!-- speed --> and <!-- /speed -->"),
         ("bench --speed --scenes x", "no scene matches `x`; there are cones-sized, kitti-sized"),
     ] {

@@ -19,6 +19,7 @@ use super::engines::EngineArguments;
 use super::into::{Page, command_line};
 use super::scenes::{SceneArguments, matching};
 use crate::cli;
+use crate::outputs::{self, Output};
 use crate::ui::Ui;
 use sizes::Size;
 
@@ -67,6 +68,9 @@ impl SpeedArguments {
             Some(path) if self.recorded || path.exists() => Record::read(path)?,
             _ => Record::default(),
         };
+        if let Some(path) = self.record.as_ref().filter(|_| !self.recorded) {
+            outputs::check(&[Output::text("--record", path, "")], &[])?;
+        }
         let mut complete = true;
         let runs = match self.recorded {
             true => kept.runs.clone(),
