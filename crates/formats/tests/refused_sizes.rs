@@ -47,6 +47,34 @@ fn a_png_that_is_shorter_than_any_picture_of_its_size_is_refused() {
     assert_eq!(read_image(&path).unwrap(), Image::Rgb8(Plane::filled(1, 1, [0; 3])));
 }
 
+/// A TIFF of 20 x 20 grey pixels in one strip, whose directory stands before it.
+fn tiff_with_its_directory_first() -> Vec<u8> {
+    let entries = [(256, 20), (257, 20), (258, 8), (262, 1), (273, 98), (278, 20), (279, 400)];
+    let mut bytes = b"II\x2a\0\x08\0\0\0".to_vec();
+    bytes.extend((entries.len() as u16).to_le_bytes());
+    for (tag, value) in entries {
+        bytes.extend([u16::to_le_bytes(tag), u16::to_le_bytes(4)].concat());
+        bytes.extend([u32::to_le_bytes(1), u32::to_le_bytes(value)].concat());
+    }
+    bytes.extend([0; 4]);
+    bytes.extend([7; 400]);
+    bytes
+}
+
+#[test]
+fn a_tiff_that_was_cut_off_within_its_strip_is_said_to_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.tif");
+    let whole = tiff_with_its_directory_first();
+    fs::write(&path, &whole).unwrap();
+    assert_eq!(read_image(&path).unwrap(), Image::Grey8(Plane::filled(20, 20, 7)));
+    for length in [98, 300, whole.len() - 1] {
+        fs::write(&path, &whole[..length]).unwrap();
+        let error = read_image(&path).unwrap_err().to_string();
+        assert!(error.contains("cut.tif") && error.contains("was it copied whole?"), "{error}");
+    }
+}
+
 #[test]
 fn an_array_that_claims_more_than_there_is_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -124,6 +124,12 @@ fn explain(source: &Source, error: TiffError) -> FormatError {
             source.bytes.len() as u64,
             "the file ends early: was it copied whole?",
         ),
+        // The memory for pixels is limited to what the size takes, that for a part to the file's length.
+        TiffError::LimitsExceeded => source.malformed(
+            FORMAT,
+            source.bytes.len() as u64,
+            "a strip or tile claims more bytes than the file has: was it copied whole?",
+        ),
         error => source.malformed(FORMAT, None, error.to_string()),
     }
 }
