@@ -52,7 +52,7 @@ pub struct Test {
 
 /// Where a scene that is no data set of its own comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged, deny_unknown_fields)]
+#[serde(untagged, try_from = "SceneFields")]
 pub enum SceneSource {
     /// Files, relative to the folder of the file that names them.
     Files {
@@ -63,10 +63,9 @@ pub enum SceneSource {
         /// Ground truth for the left image.
         truth: PathBuf,
         /// How the truth is stored, as in `hazcam score --truth-encoding`; by the file if absent.
-        #[serde(default)]
         truth_encoding: Option<String>,
         /// `x0,y0,x1,y1` inclusive, or a `.npy` file; all of the image if absent.
-        #[serde(default, rename = "box")]
+        #[serde(rename = "box")]
         bounds: Option<String>,
     },
     /// Rendered from a seed.
@@ -76,16 +75,75 @@ pub enum SceneSource {
         /// The seed: another one is another scene.
         seed: u64,
         /// Width in pixels; the kind's own if absent.
-        #[serde(default)]
         columns: Option<usize>,
         /// Height in pixels; the kind's own if absent.
-        #[serde(default)]
         rows: Option<usize>,
         /// `x0,y0,x1,y1` inclusive; all of the image if absent.
-        #[serde(default, rename = "box")]
+        #[serde(rename = "box")]
         bounds: Option<String>,
     },
 }
+
+/// What may be said of a scene: `kind` tells which of it belongs together.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFields {
+    left: Option<PathBuf>,
+    right: Option<PathBuf>,
+    truth: Option<PathBuf>,
+    truth_encoding: Option<String>,
+    kind: Option<String>,
+    seed: Option<u64>,
+    columns: Option<usize>,
+    rows: Option<usize>,
+    #[serde(rename = "box")]
+    bounds: Option<String>,
+}
+
+impl TryFrom<SceneFields> for SceneSource {
+    type Error = String;
+
+    fn try_from(fields: SceneFields) -> Result<Self, String> {
+        let SceneFields { left, right, truth, truth_encoding, kind, seed, columns, rows, bounds } =
+            fields;
+        let of_files = [
+            ("left", left.is_some()),
+            ("right", right.is_some()),
+            ("truth", truth.is_some()),
+            ("truth_encoding", truth_encoding.is_some()),
+        ];
+        let of_rendered =
+            [("seed", seed.is_some()), ("columns", columns.is_some()), ("rows", rows.is_some())];
+        let first = |fields: &[(&'static str, bool)]| {
+            fields.iter().find(|(_, is_there)| *is_there).map(|(name, _)| *name)
+        };
+        let missing = |name: &str, of: &str| format!("`{name}` is missing: {of}");
+        match kind {
+            Some(kind) => match first(&of_files) {
+                Some(name) => Err(format!(
+                    "`{name}` is of a scene in files and `kind` of a rendered one: remove either"
+                )),
+                None => {
+                    let seed = seed.ok_or_else(|| missing("seed", RENDERED))?;
+                    Ok(Self::Rendered { kind, seed, columns, rows, bounds })
+                }
+            },
+            None => match first(&of_rendered) {
+                Some(_) => Err(missing("kind", RENDERED)),
+                None => Ok(Self::Files {
+                    left: left.ok_or_else(|| missing("left", FILES))?,
+                    right: right.ok_or_else(|| missing("right", FILES))?,
+                    truth: truth.ok_or_else(|| missing("truth", FILES))?,
+                    truth_encoding,
+                    bounds,
+                }),
+            },
+        }
+    }
+}
+
+const FILES: &str = "a scene in files has left, right and truth, a rendered one kind and seed";
+const RENDERED: &str = "a rendered scene has kind and seed";
 
 impl SceneSource {
     /// The same with files below `folder`, unless their paths are absolute.
@@ -200,6 +258,32 @@ mod tests {
         assert!(text.contains("must be at most 1000000 seconds"), "{text}");
         let none = Scheme::parse("name = 'x'\ntest = []", Path::new("a")).unwrap_err();
         assert!(none.to_string().contains("no [[test]]"));
+    }
+
+    #[test]
+    fn a_mistake_in_a_scene_is_named() {
+        let refused = |scene: &str| {
+            let text = format!("{COURSE}\n[scene.mine]\n{scene}\n");
+            Scheme::parse(&text, Path::new("mine.toml")).unwrap_err().to_string()
+        };
+        let files = "left = 'l.png'\nright = 'r.png'\ntruth = 't.pfm'\n";
+        let rendered = "kind = 'mars'\nseed = 1\n";
+        for (scene, words) in [
+            (format!("{files}boks = '0,0,1,1'"), "unknown field `boks`"),
+            (files.replace("right", "truth_encoding"), "`right` is missing: a scene in files has"),
+            (format!("{rendered}columns = -4"), "invalid value: integer `-4`"),
+            (format!("{rendered}colums = 4"), "unknown field `colums`"),
+            ("kind = 'mars'".into(), "`seed` is missing: a rendered scene has kind and seed"),
+            ("seed = 1".into(), "`kind` is missing"),
+            (
+                format!("{rendered}{files}"),
+                "`left` is of a scene in files and `kind` of a rendered",
+            ),
+            (String::new(), "`left` is missing: a scene in files has left, right and truth, a ren"),
+        ] {
+            let error = refused(&scene);
+            assert!(error.starts_with("mine.toml: ") && error.contains(words), "{error}");
+        }
     }
 
     #[test]
