@@ -52,6 +52,9 @@ def disparity(answer, shape):
         )
     with np.errstate(all="ignore"):
         values = np.array(answer, dtype="<f4", order="C")
+        # Too large for 32 bits is out of the range, whose nearer end it will be brought to.
+        beyond = np.isinf(values) & np.isfinite(np.asarray(answer))
+        values[beyond] = np.copysign(np.finfo(np.float32).max, values[beyond])
     # Outside of the box anything goes, and inside of it neither is a disparity; the protocol knows
     # NaN only.
     values[np.isinf(values)] = np.nan
