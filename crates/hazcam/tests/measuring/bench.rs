@@ -135,6 +135,7 @@ fn figures_are_held_to_a_file_of_limits() {
         ("[fast.'walls/far']\np_bad = 0.2", "holds fast to figures on walls/far"),
         ("[fast.'walls/near']\npsnr = 3", "there is no measure `psnr`; there are E_RMS"),
         ("p_bad = 0.2", "limits.toml holds no limits: they look like"),
+        ("[fast.'plain/wall']\nbad2 = 5", "bad2 is a share from 0 to 1, but its limit is 5"),
     ] {
         let (_, stderr) = run_with(limits, 2);
         assert!(stderr.contains(words), "{limits}: {stderr}");

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use arena::record::Record;
-use score::Measure;
+use score::{Measure, Unit};
 
 type Figures = BTreeMap<String, f64>;
 
@@ -36,14 +36,20 @@ impl Limits {
                     path.display()
                 )
             })?;
-        let names = by_engine.values().flat_map(BTreeMap::values).flat_map(BTreeMap::keys);
-        for name in names {
-            if Measure::named(name).is_none() {
+        for (name, limit) in by_engine.values().flat_map(BTreeMap::values).flatten() {
+            let Some(measure) = Measure::named(name) else {
                 let known: Vec<_> = Measure::ALL.iter().map(|measure| measure.name).collect();
                 bail!(
                     "{}: there is no measure `{name}`; there are {}",
                     path.display(),
                     known.join(", ")
+                );
+            };
+            if measure.unit == Unit::Share && *limit > 1.0 {
+                // It would never be exceeded.
+                bail!(
+                    "{}: {name} is a share from 0 to 1, but its limit is {limit}",
+                    path.display()
                 );
             }
         }

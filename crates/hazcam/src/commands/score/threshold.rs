@@ -34,9 +34,14 @@ impl FromStr for Threshold {
             }
             (None, _) => (value, 1.0),
         };
-        match number.parse::<f64>() {
+        match number.parse::<f64>().map(|number| number * scale) {
+            // It would never be exceeded.
+            Ok(number) if number > 1.0 && measure.unit == Unit::Share => Err(format!(
+                "{} is a share, and `{value}` is more than all: give 0 to 1, or per cent as 5%",
+                measure.name
+            )),
             Ok(number) if number.is_finite() && number >= 0.0 => {
-                Ok(Self { measure, value: number * scale })
+                Ok(Self { measure, value: number })
             }
             _ => Err(format!("`{value}` is no threshold: give a number, 0 or more")),
         }
@@ -68,12 +73,17 @@ mod tests {
     fn thresholds_are_shares_or_per_cent() {
         assert_eq!("p_bad=0.05".parse::<Threshold>().unwrap().value, 0.05);
         assert_eq!("d1=6%".parse::<Threshold>().unwrap().value, 0.06);
+        assert_eq!("d1=100%".parse::<Threshold>().unwrap().value, 1.0);
         for (text, expected) in [
             ("p_bad", "MEASURE=VALUE"),
             ("psnr=3", "E_RMS, p_bad, bad0.5"),
             ("E_RMS=3%", "in pixels"),
             ("p_bad=-1", "0 or more"),
             ("p_bad=x", "`x`"),
+            ("bad2=5", "bad2 is a share, and `5` is more than all: give 0 to 1, or per cent as 5%"),
+            ("p_bad=101%", "`101%` is more than all"),
+            ("p_bad=inf", "more than all"),
+            ("E_RMS=inf", "0 or more"),
             ("density=0.5", "no measure"),
         ] {
             let error = text.parse::<Threshold>().unwrap_err();
