@@ -47,6 +47,10 @@ def _look(path, name):
     except ValueError as error:
         yield None, "it is no Python source: {}".format(error), True
         return
+    except (MemoryError, RecursionError) as error:
+        text = "{}: Python cannot read it, because an expression or a block is nested too deeply"
+        yield None, text.format(type(error).__name__), True
+        return
     yield from _signature(tree, name)
     advice = list(_stand_ins(tree)) + list(_older_names(tree)) + list(_small_types(tree))
     yield from sorted(advice, key=lambda each: each[0])

@@ -123,6 +123,14 @@ fn mistakes_in_python_3_are_not_taken_for_python_2() {
 }
 
 #[test]
+fn a_source_that_is_too_deep_for_python_does_not_hide_the_secret_id() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let report = classroom.grade_source(&format!("depth = {}1\n{HONEST}", "-".repeat(20_000)));
+    report.expect("RE", &["stereo_disparity_fast.py: MemoryError", "nested too deeply"]);
+    assert_eq!(report.0["secret_id"], "Secret submission");
+}
+
+#[test]
 fn drawing_libraries_may_be_imported_and_not_used() {
     let Some(classroom) = Classroom::with_python() else { return };
     // A name that is surely not installed, of a library that has a stand-in where it is missing.
