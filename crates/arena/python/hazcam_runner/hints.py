@@ -3,6 +3,8 @@
 import errno
 import re
 
+from hazcam_runner import older
+
 READS = "a submission may read only its own folder, Python and the system's libraries"
 
 # Exception type, pattern in its text, hint. The first that fits is given.
@@ -96,6 +98,12 @@ _OS_ERRORS = {
 def for_error(error, text):
     """A hint for an error whose type and text are `text`, or None."""
     if isinstance(error, ModuleNotFoundError):
+        library, _, part = (error.name or "").partition(".")
+        if part and library in older.REQUIRED:
+            return (
+                "this machine's {0} has no such part (any more); {0}'s release notes say what "
+                "replaced it".format(library)
+            )
         return (
             "this module is neither in the submission nor installed where this is graded: hand "
             "the file in, or remove the import"

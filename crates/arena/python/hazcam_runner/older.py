@@ -67,6 +67,11 @@ class Missing(Exception):
         )
 
 
+def absent():
+    """Which of the libraries that submissions may rely on are not installed here."""
+    return [name for name in REQUIRED if importlib.util.find_spec(name) is None]
+
+
 def stands_in(module):
     """Whether a library for drawing is not installed here, so that a stand-in takes its place."""
     name = module.split(".")[0]

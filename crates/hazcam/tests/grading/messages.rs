@@ -62,9 +62,14 @@ const MISTAKES: &[(&str, &str, &[&str])] = &[
         &["line 1", "No module named 'stereo_tools'", "hand the file in, or remove the import"],
     ),
     (
-        "from numpy.oldnumeric import zeros\ndef NAME(Il, Ir, bbox, maxd):\n    return Il\n",
+        "from numpy.surely_gone import inner1d\ndef NAME(Il, Ir, bbox, maxd):\n    return Il\n",
         "RE",
-        &["line 1", "No module named 'numpy.oldnumeric'", "remove the import"],
+        &["line 1", "No module named 'numpy.surely_gone'", "this machine's numpy has no such"],
+    ),
+    (
+        "raise ModuleNotFoundError('gone', name='numpy')\ndef NAME(Il, Ir, bbox, maxd): pass\n",
+        "RE",
+        &["line 1", "ModuleNotFoundError: gone"],
     ),
     (
         "from secret_id import missing\ndef NAME(Il, Ir, bbox, maxd):\n    return Il\n",
