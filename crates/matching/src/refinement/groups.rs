@@ -367,6 +367,35 @@ mod tests {
     }
 
     #[test]
+    fn bits_are_their_definition_at_every_level() {
+        let mut chance = Chance(3);
+        for columns in [1usize, 31, 64, 65, 130] {
+            let mut row = || -> Vec<u16> {
+                let value = |bits: u16| if bits % 5 == 0 { HOLE } else { 60_000 + bits };
+                (0..columns).map(|_| value(chance.bits(6) as u16)).collect()
+            };
+            let (above, here, step) = (row(), row(), 9);
+            let belongs = |x: usize, other: u16| here[x] != HOLE && other.abs_diff(here[x]) <= step;
+            let words = |is: &dyn Fn(usize) -> bool| -> Vec<u64> {
+                let mut words = vec![0; columns.div_ceil(WORD)];
+                (0..columns).filter(|&x| is(x)).for_each(|x| words[x / WORD] |= 1 << (x % WORD));
+                words
+            };
+            let left = |x: usize| x > 0 && belongs(x, here[x - 1]);
+            let (joined, starts) = (words(&left), words(&|x| here[x] != HOLE && !left(x)));
+            let touching = words(&|x| belongs(x, above[x]));
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                let mut found = [(); 3].map(|()| vec![0; touching.len()]);
+                let [of_left, of_starts, of_above] = &mut found;
+                mark_runs(level, &here, step, of_left, of_starts);
+                mark_touching(level, &above, &here, step, of_above);
+                assert_eq!(found, [&joined, &starts, &touching].map(Vec::clone), "{columns}");
+            }
+        }
+    }
+
+    #[test]
     fn a_slope_is_one_group_and_an_island_another() {
         let mut map: Vec<u16> = (0..12).map(|i| (i % 6) * 10).collect();
         map[3] = 400;
