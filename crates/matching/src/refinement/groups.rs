@@ -22,8 +22,9 @@ use crate::kernels::level::{Level, with_vectors};
 use crate::profile::Work;
 use crate::selection::fixed_point::HOLE;
 
-/// Pixels whose bits share a word, and a vector.
+/// Pixels whose bits share a word.
 const WORD: usize = 64;
+/// Pixels that share a vector.
 const HALF: usize = WORD / 2;
 /// Words that are made together.
 const TOGETHER: usize = 16;
@@ -252,8 +253,8 @@ fn mark_touching(level: Level, above: &[u16], here: &[u16], step: u16, touching:
 #[inline(always)]
 fn runs_of_row<S: Simd>(simd: S, row: &[u16], step: u16, joined: &mut [u64], starts: &mut [u64]) {
     // Of the next pixel and the one before it: one bit further left.
-    let pairs = row.split_last().map_or(row, |(_, before)| before).chunks(WORD);
-    let pairs = pairs.zip(row[1..].chunks(WORD)).map(|(left, here)| alike(simd, left, here, step));
+    let pairs = row[..row.len() - 1].chunks(WORD).zip(row[1..].chunks(WORD));
+    let pairs = pairs.map(|(left, here)| alike(simd, left, here, step));
     let mut carry = 0;
     let words = row.chunks(WORD).zip(pairs.chain([0]));
     for ((here, same), (joined, starts)) in words.zip(joined.iter_mut().zip(starts)) {
