@@ -372,7 +372,7 @@ mod tests {
         let mut chance = Chance(3);
         for columns in [1usize, 31, 64, 65, 130] {
             let mut row = || -> Vec<u16> {
-                let value = |bits: u16| if bits % 5 == 0 { HOLE } else { 60_000 + bits };
+                let value = |bits: u16| if bits.is_multiple_of(5) { HOLE } else { 60_000 + bits };
                 (0..columns).map(|_| value(chance.bits(6) as u16)).collect()
             };
             let (above, here, step) = (row(), row(), 9);
