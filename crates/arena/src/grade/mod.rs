@@ -35,4 +35,4 @@ pub use grader::{Event, Grader};
 pub use outcome::Outcome;
 pub use report::{PROTOCOL, Report, TestResult};
 pub use scene::{Render, Scene, Scenes, load_scenes};
-pub use scheme::{COURSE, SceneSource, Scheme, Test};
+pub use scheme::{COURSE, MOST_SECONDS, SceneSource, Scheme, Test};

@@ -6,7 +6,9 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use arena::dataset::{self, Case};
 use arena::engine::Programs;
-use arena::grade::{Allowance, Confinement, Grader, Scene, Scenes, Scheme, Test, load_scenes};
+use arena::grade::{
+    Allowance, Confinement, Grader, MOST_SECONDS, Scene, Scenes, Scheme, Test, load_scenes,
+};
 use arena::sandbox;
 use arena::submission::{Python, Runner};
 
@@ -59,8 +61,8 @@ pub struct GradingArguments {
 
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(value) if (0.1..=1e6).contains(&value) => Ok(value),
-        _ => Err("give seconds from 0.1 to 1000000".into()),
+        Ok(value) if (0.1..=MOST_SECONDS).contains(&value) => Ok(value),
+        _ => Err(format!("give seconds from 0.1 to {MOST_SECONDS}")),
     }
 }
 
