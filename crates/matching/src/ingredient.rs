@@ -21,8 +21,6 @@ pub enum Ingredient {
     Descriptors,
     /// Paths that follow fitted planes.
     SurfacePrior,
-    /// The last of the runs that follow planes.
-    LastSurfaceRun,
     /// The fraction of a pixel.
     SubPixel,
     /// Winners that another disparity comes near to taken out.
@@ -70,17 +68,15 @@ const BALANCED: [Ingredient; 15] = [
     PathMargin,
 ];
 
-/// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
-/// and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 17] = [
+/// All of them but `Interpolation` and `Uniqueness`, since judges close better what the one closes and know what the
+/// other takes out, and `NoiseSmoothing`: descriptors and judges see more in the noise than in what smoothing leaves.
+const BEST: [Ingredient; 15] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
     Descriptors,
     SurfacePrior,
-    LastSurfaceRun,
     SubPixel,
-    Uniqueness,
     LeftRightCheck,
     SpeckleFilter,
     PlaneFill,
@@ -144,13 +140,8 @@ impl Ingredient {
             ),
             SurfacePrior => (
                 "surface-prior",
-                "two more runs of the paths, along the surfaces found",
+                "one more run of the paths, along the surfaces found",
                 "one run, parallel to the image",
-            ),
-            LastSurfaceRun => (
-                "last-surface-run",
-                "the second of these runs",
-                "one run along the surfaces of the first",
             ),
             SubPixel => (
                 "sub-pixel",
