@@ -142,6 +142,30 @@ fn kitti_2015_says_when_its_truth_is_non_occluded_only() {
 }
 
 #[test]
+fn what_the_course_measures_with_is_a_test_in_the_data_sets_that_it_comes_from() {
+    let root = tempfile::tempdir().unwrap();
+    let frame = |folder: &str, sides: [&str; 2], frame: &str| {
+        for side in sides {
+            grey8(&root.path().join(format!("{folder}/training/{side}/{frame}_10.png")), 9);
+        }
+    };
+    for number in ["000069", "000070"] {
+        frame("kitti2012", ["image_0", "image_1"], number);
+        frame("kitti2015", ["image_2", "image_3"], number);
+    }
+    for scene in ["Teddy", "Pipes"] {
+        for image in ["im0.png", "im1.png"] {
+            grey8(&root.path().join(format!("MiddEval3/trainingQ/{scene}/{image}")), 9);
+        }
+    }
+    let cases = dataset::open(root.path()).unwrap();
+    let tests = cases.iter().filter(|case| case.purpose == Purpose::Test);
+    let tests: Vec<_> = tests.map(|case| case.id.as_str()).collect();
+    assert_eq!(tests, ["MiddEval3/trainingQ/Teddy", "kitti2012/000070"]);
+    assert_eq!(cases.len(), 6);
+}
+
+#[test]
 fn a_catalogue_is_believed() {
     let root = tempfile::tempdir().unwrap();
     grey8(&root.path().join("a.png"), 9);

@@ -13,6 +13,15 @@ const SCENES: [(&str, i32, &str); 2] =
     [("cones", 55, "cones_02_bounds.npy"), ("teddy", 55, "teddy_02_bounds.npy")];
 const KITTI: (i32, &str) = (150, "kitti_070_bounds.npy");
 
+/// What a scene of another data set is for, by its name there: the course measures with some of KITTI 2012 and
+/// Middlebury, wherever they are found.
+pub(super) fn purpose(scene: &str) -> Purpose {
+    match scene.to_lowercase().as_str() {
+        "cones" | "teddy" | "000070" => Purpose::Test,
+        _ => Purpose::Tuning,
+    }
+}
+
 /// Whether this is the folder above `images` and `data`.
 pub(super) fn is_root(folder: &Folder) -> bool {
     folder.has_folder("images")

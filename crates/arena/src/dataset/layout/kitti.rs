@@ -2,12 +2,14 @@
 
 use formats::Encoding;
 
-use super::{Case, Folder};
+use super::{Case, Folder, course};
 use crate::dataset::case::{Files, Purpose, TruthFile};
 
 /// Left and right images, in the order of preference, with the suffix of the folders of truth.
 const VIEWS: [(&str, &str); 3] =
-    [("image_0", "image_1"), ("image_2", "image_3"), ("colored_0", "colored_1")];
+    [("image_0", "image_1"), (LEFT_2015, "image_3"), ("colored_0", "colored_1")];
+/// The left images of 2015, whose frames are others by the same numbers.
+const LEFT_2015: &str = "image_2";
 const TRUTHS: [(&str, &str); 2] = [("disp_occ", "disp_noc"), ("disp_occ_0", "disp_noc_0")];
 
 /// Every frame at time 10, the only one that has truth.
@@ -37,7 +39,8 @@ pub(super) fn cases(folder: &Folder) -> Vec<Case> {
                 ..Files::default()
             };
             let scene = frame.trim_end_matches("_10.png");
-            Case::new(folder.id(Some(scene)), Purpose::Tuning, files)
+            let purpose = if left == LEFT_2015 { Purpose::Tuning } else { course::purpose(scene) };
+            Case::new(folder.id(Some(scene)), purpose, files)
         })
         .collect()
 }

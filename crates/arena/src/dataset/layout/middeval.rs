@@ -3,8 +3,8 @@
 
 use formats::Encoding;
 
-use super::{Case, Folder};
-use crate::dataset::case::{Files, Purpose, TruthFile};
+use super::{Case, Folder, course};
+use crate::dataset::case::{Files, TruthFile};
 
 /// The scene that a folder is, if it is one.
 pub(super) fn cases(folder: &Folder) -> Vec<Case> {
@@ -24,5 +24,5 @@ pub(super) fn cases(folder: &Folder) -> Vec<Case> {
         calibration: folder.file("calib.txt"),
         ..Files::default()
     };
-    vec![Case::new(folder.id(None), Purpose::Tuning, files)]
+    vec![Case::new(folder.id(None), course::purpose(folder.last()), files)]
 }

@@ -38,6 +38,11 @@ impl Folder {
         self.has(file).then(|| self.path.join(file))
     }
 
+    /// The name of the folder itself.
+    fn last(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or_default()
+    }
+
     /// An id: the folder's name, without the parts that only say what lies below.
     fn id(&self, scene: Option<&str>) -> String {
         let parts = self.name.split('/').chain(scene);
