@@ -68,15 +68,16 @@ const BALANCED: [Ingredient; 15] = [
     PathMargin,
 ];
 
-/// All of them but `Interpolation` and `Uniqueness`, since judges close better what the one closes and know what the
-/// other takes out, and `NoiseSmoothing`: descriptors and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 15] = [
+/// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
+/// and judges see more in the noise than in what smoothing leaves.
+const BEST: [Ingredient; 16] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
     Descriptors,
     SurfacePrior,
     SubPixel,
+    Uniqueness,
     LeftRightCheck,
     SpeckleFilter,
     PlaneFill,
