@@ -21,6 +21,8 @@ pub enum Ingredient {
     Descriptors,
     /// Paths that follow fitted planes.
     SurfacePrior,
+    /// The last of the runs that follow planes.
+    LastSurfaceRun,
     /// The fraction of a pixel.
     SubPixel,
     /// Winners that another disparity comes near to taken out.
@@ -70,12 +72,13 @@ const BALANCED: [Ingredient; 15] = [
 
 /// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
 /// and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 16] = [
+const BEST: [Ingredient; 17] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
     Descriptors,
     SurfacePrior,
+    LastSurfaceRun,
     SubPixel,
     Uniqueness,
     LeftRightCheck,
@@ -141,8 +144,13 @@ impl Ingredient {
             ),
             SurfacePrior => (
                 "surface-prior",
-                "one more run of the paths, along the surfaces found",
+                "two more runs of the paths, along the surfaces found",
                 "one run, parallel to the image",
+            ),
+            LastSurfaceRun => (
+                "last-surface-run",
+                "the second of these runs",
+                "one run along the surfaces of the first",
             ),
             SubPixel => (
                 "sub-pixel",

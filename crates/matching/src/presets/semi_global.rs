@@ -171,6 +171,9 @@ impl SemiGlobalMatching {
         profile.end(PATHS, self.optimize(space, search, confidence, false));
         if ingredients.has(Ingredient::SurfacePrior) {
             self.follow_surfaces(space, search, confidence, profile);
+            if ingredients.has(Ingredient::LastSurfaceRun) {
+                self.follow_surfaces(space, search, confidence, profile);
+            }
         }
         if !ingredients.has(Ingredient::PathMargin) {
             self.trust_agreement(width, confidence);
