@@ -95,17 +95,16 @@ impl Needs {
             false => 0,
             true => 8 * places + part + Descriptors::bytes(width),
         };
-        // Disparities, reasons and confidence of the left view, its groups, and its fixed point with the columns
-        // between. The right view has the memory of the answer.
-        let left = (4 + 1 + 4) * part + 2 * rows_of_part + Groups::bytes(columns, lines);
+        // Disparities, reasons and confidence of the left view, filled, its groups, and its fixed point with the columns
+        // between. The right view and the disparities between have the memory of the answer.
+        let left = (2 * 4 + 1 + 4) * part + 2 * rows_of_part + Groups::bytes(columns, lines);
         let between = match space.apart {
             1 => 0,
-            _ => columns_between::Map::bytes(rows_of_part),
+            _ => columns_between::Sources::bytes(rows_of_part),
         };
         let prior = ingredients.has(Ingredient::SurfacePrior);
         let choice = ingredients.has(Ingredient::LearnedChoice);
         let right_choice = choice && ingredients.has(Ingredient::RightChoices);
-        let filled = if prior || choice { 4 * part } else { 0 };
         let prior = match prior {
             false => 0,
             // A surface per pixel and cell.
@@ -125,7 +124,7 @@ impl Needs {
             false => 0,
             true => LeastSquares::bytes(work.columns()),
         };
-        let refined = filled + right + choice + least_squares;
+        let refined = right + choice + least_squares;
         // The steps of the guide, and the left view in fixed point with the rows between.
         let spread = part + between + 2 * work.columns() * work.rows();
         let stages = images + flat + features + descriptors + left + prior + refined + spread;

@@ -75,8 +75,8 @@ pub(crate) struct SemiGlobalMatching {
     choices: Choices,
     /// How sure the matched pixels are.
     confidence: Plane<f32>,
-    /// The left view with the columns between.
-    between: columns_between::Map,
+    /// Of the left view with the columns between.
+    between: columns_between::Sources,
     answer: Answer,
     least_squares: LeastSquares,
 }
@@ -113,7 +113,7 @@ impl SemiGlobalMatching {
             right_choices: RightChoices::default(),
             choices: Choices::new(Jury::of(preset)),
             confidence: Plane::default(),
-            between: columns_between::Map::default(),
+            between: columns_between::Sources::default(),
             answer: Answer::default(),
             least_squares: LeastSquares::default(),
         }
@@ -284,15 +284,11 @@ impl SemiGlobalMatching {
         profile.end(CHECK, done);
     }
 
-    /// Fills the holes of the left view, and of the right one where its pixels are to choose. Where none are, the
-    /// left view comes to stand in the right one's memory.
+    /// Fills the holes of the left view, and of the right one where its pixels are to choose.
     fn fill_views(&mut self, search: Search<'_>, chooses: bool, profile: &mut Profile) {
         let Search { ingredients, level, width, range, .. } = search;
-        let filled = match chooses {
-            true => &mut self.left.filled,
-            false => &mut self.right.map.values,
-        };
-        let mut done = fill(ingredients, level, width, range, &mut self.left.map, filled);
+        let View { map, filled, .. } = &mut self.left;
+        let mut done = fill(ingredients, level, width, range, map, filled);
         if chooses && ingredients.has(Ingredient::RightChoices) {
             let View { map, filled, .. } = &mut self.right;
             done = done + fill(ingredients, level, width, range, map, filled);
@@ -336,8 +332,9 @@ impl SemiGlobalMatching {
         profile.end("choices", done + Work::bytes(told));
     }
 
-    /// From the left view, which is filled and has chosen, the answer to a box in `map`, whose disparities take
-    /// the right view's memory back: all columns, fractions of a pixel by least squares, all rows, the median.
+    /// From the left view, which is filled and has chosen, the answer to a box in `map`: all columns, fractions of a
+    /// pixel by least squares, all rows, the median. The right view has said what it knows: its memory takes the
+    /// columns between, and goes back to the disparities of `map` then.
     fn answer(
         &mut self,
         space: &SearchSpace,
@@ -350,7 +347,6 @@ impl SemiGlobalMatching {
     ) {
         let Search { ingredients, level, grey, rows, width, range, .. } = search;
         let View { map: left, filled, steps, .. } = &mut self.left;
-        let filled = if chooses { filled } else { &mut self.right.map.values };
         let (values, reasons, confidence) = if space.apart > 1 {
             let matched = columns_between::Matched {
                 values: filled,
@@ -358,9 +354,10 @@ impl SemiGlobalMatching {
                 confidence: sure,
             };
             let grey = search.matched_rows();
-            let spread = self.between.spread(level, grey, ONE_SURFACE, matched);
+            let values = &mut self.right.map.values;
+            let spread = self.between.spread(level, grey, ONE_SURFACE, matched, values);
             profile.end("columns between", spread);
-            let columns_between::Map { values, reasons, confidence } = &mut self.between;
+            let columns_between::Sources { reasons, confidence } = &mut self.between;
             (values, &*reasons, confidence)
         } else {
             (filled, &left.reasons, sure)

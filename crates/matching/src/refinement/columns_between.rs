@@ -7,16 +7,14 @@ use rayon::prelude::*;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
-/// A map without holes, why its disparities are there and how sure they are.
+/// Why the disparities of a map are there, and how sure they are.
 #[derive(Default)]
-pub(crate) struct Map {
-    /// In pixels.
-    pub values: Plane<f32>,
+pub(crate) struct Sources {
     pub reasons: Plane<Reason>,
     pub confidence: Plane<f32>,
 }
 
-/// The same of some of its columns.
+/// Some columns of a map without holes: disparities in pixels, why they are there and how sure they are.
 #[derive(Clone, Copy)]
 pub(crate) struct Matched<'a> {
     pub values: &'a Plane<f32>,
@@ -24,26 +22,27 @@ pub(crate) struct Matched<'a> {
     pub confidence: &'a Plane<f32>,
 }
 
-impl Map {
-    /// What it takes for so many pixels.
+impl Sources {
+    /// What they take for so many pixels.
     pub fn bytes(pixels: usize) -> usize {
-        (2 * size_of::<f32>() + size_of::<Reason>()) * pixels
+        (size_of::<Reason>() + size_of::<f32>()) * pixels
     }
 
-    /// Becomes what was matched of every second column, and the columns between. `grey` has all columns of the rows
-    /// of the map; disparities of one surface differ by at most `same` pixels.
+    /// Become, with disparities in `values`, what was matched of every second column, and the columns between. `grey`
+    /// has all columns of the rows of the map; disparities of one surface differ by at most `same` pixels.
     pub fn spread(
         &mut self,
         level: Level,
         grey: View<'_, u8>,
         same: f32,
         matched: Matched<'_>,
+        values: &mut Plane<f32>,
     ) -> Work {
         let (columns, rows) = (grey.columns(), grey.rows());
-        self.values.reshape(columns, rows, 0.0);
+        values.reshape(columns, rows, 0.0);
         self.reasons.reshape(columns, rows, Reason::Matched);
         self.confidence.reshape(columns, rows, 0.0);
-        let values = self.values.samples_mut().par_chunks_mut(columns);
+        let values = values.samples_mut().par_chunks_mut(columns);
         let reasons = self.reasons.samples_mut().par_chunks_mut(columns);
         let confidence = self.confidence.samples_mut().par_chunks_mut(columns);
         let out = values.zip(reasons).zip(confidence).enumerate();
@@ -56,8 +55,8 @@ impl Map {
             };
             row_spread(level, same, row, values, reasons, confidence);
         });
-        let of_grey = Work::bytes(columns * rows);
-        of_grey + Work::bytes(Self::bytes(columns * rows) + Self::bytes(columns * rows) / 2)
+        let pixel = size_of::<f32>() + size_of::<Reason>() + size_of::<f32>();
+        Work::bytes(columns * rows + (columns + columns / 2) * rows * pixel)
     }
 }
 
@@ -158,11 +157,12 @@ mod tests {
         reasons: &Plane<Reason>,
     ) -> Vec<(f32, Reason, f32)> {
         let confidence = values.map(|value| value / 100.0);
-        let mut map = Map::default();
-        map.spread(level, grey.view(), 3.0, Matched { values, reasons, confidence: &confidence });
-        assert_eq!(map.values.size(), grey.size());
-        let pixels = map.values.samples().iter().zip(map.reasons.samples());
-        let pixels = pixels.zip(map.confidence.samples());
+        let (mut sources, mut all) = (Sources::default(), Plane::default());
+        let matched = Matched { values, reasons, confidence: &confidence };
+        sources.spread(level, grey.view(), 3.0, matched, &mut all);
+        assert_eq!(all.size(), grey.size());
+        let pixels = all.samples().iter().zip(sources.reasons.samples());
+        let pixels = pixels.zip(sources.confidence.samples());
         pixels.map(|((&value, &reason), &sure)| (value, reason, sure)).collect()
     }
 
