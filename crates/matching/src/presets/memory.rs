@@ -95,8 +95,8 @@ impl Needs {
             false => 0,
             true => 8 * places + part + Descriptors::bytes(width),
         };
-        // Disparities, reasons and confidence of the left view, filled, its groups, and its fixed point with the columns
-        // between. The right view and the disparities between have the memory of the answer.
+        // Disparities, reasons and confidence of the left view, filled, its groups, and its fixed point with the
+        // columns between. The right view and the disparities between have the memory of the answer.
         let left = (2 * 4 + 1 + 4) * part + 2 * rows_of_part + Groups::bytes(columns, lines);
         let between = match space.apart {
             1 => 0,
