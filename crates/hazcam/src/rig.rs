@@ -89,7 +89,11 @@ fn calibrated(
         );
     }
     Ok(match image {
-        Some(image) => calibration.camera_of(image),
+        // Its folder tells, which a name from there does not have.
+        Some(image) => {
+            let found = image.canonicalize().or_else(|_| std::path::absolute(image));
+            calibration.camera_of(found.as_deref().unwrap_or(image))
+        }
         None => {
             if calibration.colour_camera.is_some() {
                 ui.note(format_args!(

@@ -1,8 +1,8 @@
 //! How the command speaks: data on stdout, everything else on stderr.
 //!
 //! Colour follows `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` and is left out when the stream is
-//! not a terminal. A reader that goes away (`hazcam score ... | head -1`) is no error: writing to
-//! stdout then fails with [`StdoutClosed`], which ends the program with success.
+//! not a terminal. A reader that goes away (`hazcam score ... | head -1`) is no error: the rest is written nowhere, and
+//! the command goes on, since files, boards and its status may be asked of it too.
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -15,18 +15,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 pub struct Ui {
     quiet: bool,
 }
-
-/// Whoever read stdout has had enough.
-#[derive(Debug)]
-pub struct StdoutClosed;
-
-impl fmt::Display for StdoutClosed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("stdout was closed by its reader")
-    }
-}
-
-impl std::error::Error for StdoutClosed {}
 
 impl Ui {
     /// `quiet` silences notes and progress; warnings and errors stay.
@@ -43,7 +31,8 @@ impl Ui {
     pub fn write(&self, bytes: &[u8]) -> anyhow::Result<()> {
         let mut out = io::stdout().lock();
         match out.write_all(bytes).and_then(|()| out.flush()) {
-            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Err(StdoutClosed.into()),
+            // Whoever read it has had enough.
+            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             Err(e) => Err(anyhow::Error::new(e).context("cannot write to stdout")),
             Ok(()) => Ok(()),
         }

@@ -62,6 +62,7 @@ fn pair(
         );
         return Err(entries.fail(None, problem));
     }
+    entries.square(left_name, [focal, left[5]])?;
     let baseline = (left[3] - right[3]) / focal;
     entries.camera(focal, baseline, right[2] - left[2], left[2], left[6]).map(Some)
 }

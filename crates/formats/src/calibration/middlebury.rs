@@ -14,6 +14,7 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         );
         return Err(entries.fail(None, problem));
     }
+    entries.square("cam0", [cam0[0], cam0[4]])?;
     let doffs = match entries.has("doffs") {
         true => entries.number("doffs")?,
         false => cam1[2] - cam0[2],
@@ -73,6 +74,17 @@ mod tests {
         assert_eq!((calibration.width, calibration.height), (Some(718), Some(496)));
         assert_eq!((calibration.ndisp, calibration.isint), (Some(73), Some(false)));
         assert_eq!((calibration.vmin, calibration.vmax), (Some(8.0), Some(65.0)));
+    }
+
+    #[test]
+    fn a_mark_of_byte_order_is_no_letter_and_pixels_are_square() {
+        assert_eq!(read(&format!("\u{feff}{SAMPLE}")).unwrap(), read(SAMPLE).unwrap());
+        let error = read(&SAMPLE.replace("; 0 1038.018 243.393 ;", "; 0 2000 243.393 ;"));
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains("cam0 has the focal lengths 1038.018 across and 2000 down"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -72,6 +72,9 @@ impl Calibration {
     }
 }
 
+/// By so much of themselves focal lengths are rounded at the most.
+const ROUNDED: f64 = 1e-3;
+
 /// Calibration files are short; what is longer is something else.
 const LONGEST: usize = 1 << 20;
 
@@ -118,7 +121,10 @@ struct Entry<'a> {
 
 impl<'a> Entries<'a> {
     fn of(source: &'a Source, text: &'a str) -> Self {
-        let mut at = 0;
+        // Some editors begin a text with a mark that is none of its letters.
+        let mark =
+            text.chars().next().filter(|&first| first == '\u{feff}').map_or(0, char::len_utf8);
+        let (mut at, text) = (mark as u64, &text[mark..]);
         let mut entries = Vec::new();
         for line in text.split_inclusive('\n') {
             if let Some((key, value)) = line.split_once(['=', ':']) {
@@ -175,6 +181,18 @@ impl<'a> Entries<'a> {
         numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
             self.fail(entry.at, format!("`{key}` is `{}`, but must be {N} numbers", entry.value))
         })
+    }
+
+    /// Errors where a camera's focal lengths, across and down, differ by more than rounding: points would be too high
+    /// or too low.
+    fn square(&self, name: &str, [across, down]: [f64; 2]) -> Result<(), FormatError> {
+        if (across - down).abs() <= ROUNDED * across.abs() {
+            return Ok(());
+        }
+        let problem = format!(
+            "{name} has the focal lengths {across} across and {down} down: only square pixels are known here"
+        );
+        Err(self.fail(None, problem))
     }
 
     fn camera(

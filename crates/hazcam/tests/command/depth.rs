@@ -53,6 +53,25 @@ fn depth_its_uncertainty_and_points_are_written() {
 }
 
 #[test]
+fn the_folder_of_a_picture_tells_its_camera_however_it_is_named() {
+    let folder = folder();
+    std::fs::create_dir(folder.path("image_2")).unwrap();
+    folder.image("image_2/0.png", 5, 1, 0);
+    let matrices = [("P0", 0.0), ("P1", -378.0), ("P2", 42.0), ("P3", -329.0)];
+    let line = |(name, shift)| format!("{name}: 700 0 2 {shift} 0 700 0 0 0 0 1 0\n");
+    std::fs::write(folder.path("calib.txt"), matrices.map(line).concat()).unwrap();
+    for (from, image) in [("", "image_2/0.png"), ("image_2", "0.png"), ("image_2", "./0.png")] {
+        let here = folder.path(from);
+        let at = |name: &str| folder.path(name).into_os_string();
+        let mut command = folder.command();
+        command.current_dir(here).arg("depth").arg(at("d.pfm"));
+        command.arg("--calibration").arg(at("calib.txt")).args(["--image", image]);
+        let told = String::from_utf8(command.output().unwrap().stdout).unwrap();
+        assert!(told.contains("baseline 0.5300 m"), "{from} {image}: {told}");
+    }
+}
+
+#[test]
 fn a_calibration_of_another_size_is_refused() {
     let folder = folder();
     let calibration = "cam0=[1000 0 2; 0 1000 0; 0 0 1]\ncam1=[1000 0 2; 0 1000 0; 0 0 1]\ndoffs=0\n\

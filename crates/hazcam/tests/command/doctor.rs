@@ -20,6 +20,8 @@ fn the_self_match_is_right_and_the_rest_is_told() {
 #[test]
 fn a_level_that_the_processor_lacks_is_wrong() {
     let folder = Folder::new();
+    let empty = folder.command().arg("doctor").env("HAZCAM_CPU", "").output().unwrap();
+    assert_eq!(empty.status.code(), Some(0), "an empty variable names nothing");
     let output = folder.command().arg("doctor").env("HAZCAM_CPU", "abacus").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let text = String::from_utf8(output.stdout).unwrap();

@@ -47,6 +47,19 @@ fn csv_and_markdown_hold_the_same_numbers() {
 }
 
 #[test]
+fn a_reader_that_goes_away_changes_no_status() {
+    let folder = folder();
+    for (threshold, status) in [("p_bad=0.4", 1), ("p_bad=0.6", 0)] {
+        let arguments = ["score", "d.pfm", "truth.pfm", "--fail-over", threshold];
+        let mut command = folder.command();
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let ended = command.args(arguments).stdout(writer).status().unwrap();
+        assert_eq!(ended.code(), Some(status), "{threshold}");
+    }
+}
+
+#[test]
 fn a_score_over_its_threshold_ends_with_status_one() {
     let folder = folder();
     let run = |options: &str| folder.run(&format!("score d.pfm truth.pfm {options}"));

@@ -122,9 +122,19 @@ fn no_score_is_written_when_the_grader_failed() {
 }
 
 #[test]
+fn the_text_goes_to_a_file_too() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let arguments = ["--matcher", "fast", "--scheme", "small.toml", "-o", "results.txt"];
+    let (_, stdout, _) = classroom.run(&arguments);
+    assert_eq!(std::fs::read_to_string(classroom.path("results.txt")).unwrap(), stdout);
+    assert!(stdout.contains("Part 1, wall") && stdout.ends_with(" points\n"), "{stdout}");
+}
+
+#[test]
 fn mistakes_on_the_command_line_are_named() {
     let Some(classroom) = Classroom::without_python() else { return };
     std::fs::write(classroom.path("handin.tar"), "hand-in").unwrap();
+    std::fs::create_dir(classroom.path("unpacked")).unwrap();
     std::fs::write(classroom.path("bad.toml"), "name = 'x'\n[[test]]\nname = 'a'\n").unwrap();
     for (arguments, words) in [
         (&[][..], "name a submission, or engines with --matcher"),
@@ -141,6 +151,7 @@ fn mistakes_on_the_command_line_are_named() {
             &["handin.tar", "-o", "./handin.tar"],
             "--output ./handin.tar would replace an input: name another file",
         ),
+        (&["unpacked", "-o", "unpacked/secret_id.py"], "would lie in the submission: name another"),
         (
             &["--matcher", "fast", "--scheme", "small.toml", "-o", "small.toml"],
             "--output small.toml would replace an input: name another file",

@@ -85,6 +85,24 @@ fn a_reference_is_compared_with_and_kept_in_the_folder() {
 }
 
 #[test]
+fn results_do_not_come_among_a_scenes_own_files() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let files = |at: &str| {
+        let names =
+            fs::read_dir(folder.path().join(at)).unwrap().map(|entry| entry.unwrap().file_name());
+        let mut names: Vec<_> = names.collect();
+        names.sort();
+        names
+    };
+    let before = files("data/walls/near");
+    let arguments = "bench --data data -m fast --out data --pictures";
+    let (_, stderr) = run(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), 2);
+    assert!(stderr.contains("results of walls/near would lie among its own files"), "{stderr}");
+    assert_eq!(files("data/walls/near"), before);
+}
+
+#[test]
 fn engines_at_once_are_told_and_recorded() {
     let folder = tempfile::tempdir().unwrap();
     data(folder.path());
@@ -126,16 +144,21 @@ fn figures_are_held_to_a_file_of_limits() {
         run(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), status)
     };
     run_with("[fast.'walls/near']\np_bad = 0.2\nD1 = 0.2", 0);
-    let (stdout, stderr) = run_with("[fast.'walls/near']\navgerr = -1\np_bad = 0.2", 1);
-    assert!(stderr.contains("failed: fast on walls/near: avgerr is 0."), "{stderr}");
-    assert!(stderr.contains(", over -1\n") && !stderr.contains("p_bad"), "{stderr}");
+    // Everything is estimated a pixel too far: a bias counts by its size.
+    let truth = Plane::filled(80, 40, 7f32);
+    formats::write_disparity(folder.path().join("data/walls/near/disp0GT.pfm"), &truth).unwrap();
+    let (stdout, stderr) = run_with("[fast.'walls/near']\nbias = 0.5\np_bad = 0.2", 1);
+    assert!(stderr.contains("failed: fast on walls/near: bias is -"), "{stderr}");
+    assert!(stderr.contains(", over 0.5\n") && !stderr.contains("p_bad"), "{stderr}");
     assert!(stdout.contains("walls/near"), "the scores are printed all the same");
     for (limits, words) in [
         ("[best.'walls/near']\np_bad = 0.2", "holds best to figures on walls/near, but that was"),
         ("[fast.'walls/far']\np_bad = 0.2", "holds fast to figures on walls/far"),
-        ("[fast.'walls/near']\npsnr = 3", "there is no measure `psnr`; there are E_RMS"),
+        ("[fast.'walls/near']\npsnr = 3", "`psnr` is no measure; the measures are E_RMS"),
+        ("[fast.'walls/near']\ndensity = 0.5", "`density` is no measure"),
+        ("[fast.'walls/near']\navgerr = -1", "`-1` is no threshold: give a number, 0 or more"),
         ("p_bad = 0.2", "limits.toml holds no limits: they look like"),
-        ("[fast.'plain/wall']\nbad2 = 5", "bad2 is a share from 0 to 1, but its limit is 5"),
+        ("[fast.'plain/wall']\nbad2 = 5", "bad2 is a share, and `5` is more than all"),
     ] {
         let (_, stderr) = run_with(limits, 2);
         assert!(stderr.contains(words), "{limits}: {stderr}");

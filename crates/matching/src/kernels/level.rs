@@ -65,13 +65,14 @@ impl Level {
         *BEST.get_or_init(|| *Level::available().last().expect("scalar is always there"))
     }
 
-    /// The level that the environment variable `HAZCAM_CPU` names, or the best one without it.
+    /// The level that the environment variable `HAZCAM_CPU` names, or the best one where it is not set or empty.
     ///
     /// # Errors
     ///
     /// When it names none that this processor has; the error says which there are.
     pub fn chosen() -> Result<Level, crate::MatchError> {
-        std::env::var_os("HAZCAM_CPU").map_or(Ok(Level::detect()), |name| Level::named(&name))
+        let named = std::env::var_os("HAZCAM_CPU").filter(|name| !name.is_empty());
+        named.map_or(Ok(Level::detect()), |name| Level::named(&name))
     }
 
     /// The level of this name.

@@ -1,6 +1,6 @@
 //! For people: a line when a test begins, its result when it has ended, a summary.
 
-use super::super::{Grader, Report, Test, TestResult};
+use super::super::{Event, Grader, Report, Test, TestResult};
 use super::points;
 
 /// Before everything: what is graded, by what, how it is confined.
@@ -11,6 +11,16 @@ pub fn header(grader: &Grader<'_>, entrant: &str) -> String {
     };
     let (name, points) = (&grader.scheme.name, points(grader.scheme.points()));
     format!("{name} ({points} points): {entrant}, {confined}\n\n")
+}
+
+/// What happened in a grading.
+pub fn event(event: &Event<'_>) -> String {
+    match event {
+        Event::Inspected([]) => String::new(),
+        Event::Inspected(found) => format!("{}\n", findings(found)),
+        Event::Begins(test) => begins(test),
+        Event::Ended(result) => ended(result),
+    }
 }
 
 /// Before a test: its name and its limit of CPU time.

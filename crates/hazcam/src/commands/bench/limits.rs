@@ -13,9 +13,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use arena::record::Record;
-use score::{Measure, Unit};
 
-type Figures = BTreeMap<String, f64>;
+use crate::commands::score::threshold::Threshold;
+
+/// By measure.
+type Figures = BTreeMap<String, Threshold>;
 
 /// Limits by matcher and scene.
 pub struct Limits {
@@ -28,29 +30,26 @@ impl Limits {
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let text =
             fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let by_engine: BTreeMap<String, BTreeMap<String, Figures>> = toml::from_str(&text)
-            .with_context(|| {
+        let numbers: BTreeMap<String, BTreeMap<String, BTreeMap<String, f64>>> =
+            toml::from_str(&text).with_context(|| {
                 format!(
                     "{} holds no limits: they look like [fast.\"course/cones\"] with lines like \
                      p_bad = 0.083 below",
                     path.display()
                 )
             })?;
-        for (name, limit) in by_engine.values().flat_map(BTreeMap::values).flatten() {
-            let Some(measure) = Measure::named(name) else {
-                let known: Vec<_> = Measure::ALL.iter().map(|measure| measure.name).collect();
-                bail!(
-                    "{}: there is no measure `{name}`; there are {}",
-                    path.display(),
-                    known.join(", ")
-                );
-            };
-            if measure.unit == Unit::Share && *limit > 1.0 {
-                // It would never be exceeded.
-                bail!(
-                    "{}: {name} is a share from 0 to 1, but its limit is {limit}",
-                    path.display()
-                );
+        let mut by_engine = BTreeMap::<_, BTreeMap<_, Figures>>::new();
+        for (engine, scenes) in numbers {
+            for (scene, numbers) in scenes {
+                let figures =
+                    by_engine.entry(engine.clone()).or_default().entry(scene).or_default();
+                for (measure, limit) in numbers {
+                    let threshold: Threshold = format!("{measure}={limit}")
+                        .parse()
+                        .map_err(anyhow::Error::msg)
+                        .with_context(|| format!("{}: {measure}", path.display()))?;
+                    figures.insert(measure, threshold);
+                }
             }
         }
         Ok(Self { path: path.to_owned(), by_engine })
@@ -69,16 +68,13 @@ impl Limits {
                         self.path.display()
                     );
                 };
-                for (measure, &limit) in figures {
-                    match record.value("all", measure) {
-                        Some(value) if value <= limit => {}
-                        Some(value) => broken.push(format!(
-                            "{engine} on {scene}: {measure} is {value:.4}, over {limit}"
-                        )),
-                        None => broken.push(format!(
-                            "{engine} on {scene}: there is no {measure} ({})",
-                            record.status.name()
-                        )),
+                for (measure, limit) in figures {
+                    let value = record.value("all", measure);
+                    if let Some(over) = limit.exceeded(value) {
+                        let status = record.status.name();
+                        let status =
+                            value.map_or_else(|| format!(" ({status})"), |_| String::new());
+                        broken.push(format!("{engine} on {scene}: {over}{status}"));
                     }
                 }
             }

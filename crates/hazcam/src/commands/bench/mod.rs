@@ -160,6 +160,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         Some(folder) => Output::in_folder(folder, args.pictures)?,
         None => Output::default(),
     };
+    output.admit(&contest.cases)?;
     (output.view, output.format, output.page) = (view, format, page);
     contest.run(&args.engines, output, ui)
 }

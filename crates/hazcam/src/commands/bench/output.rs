@@ -1,9 +1,9 @@
 //! Where results go: tables to stdout, records and pictures into a folder.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use arena::dataset::{Case, CaseData};
 use arena::engine::Answer;
 use arena::record::Record;
@@ -37,6 +37,30 @@ impl Output {
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         Ok(Self { folder: Some(folder), pictures, ..Self::default() })
+    }
+
+    /// Errors where the folder is one that a scene comes from: records and pictures would lie among its files, or
+    /// replace some.
+    pub fn admit(&self, cases: &[Case]) -> anyhow::Result<()> {
+        let Some(folder) = &self.folder else { return Ok(()) };
+        for case in cases {
+            let Some(files) = case.files() else { continue };
+            let own = folder.join(&case.id).canonicalize().ok();
+            let lies_there = |file: &Path| {
+                let of_file = file.parent().and_then(|folder| folder.canonicalize().ok());
+                of_file.is_some() && of_file == own
+            };
+            let truth = files.truth.as_ref().map(|truth| truth.path.as_path());
+            let named = [Some(files.left.as_path()), Some(&files.right), truth];
+            if named.into_iter().flatten().any(lies_there) {
+                bail!(
+                    "--out {}: results of {} would lie among its own files; name another folder",
+                    folder.display(),
+                    case.id
+                );
+            }
+        }
+        Ok(())
     }
 
     /// Keeps what came of one engine on one scene, if there is a folder.

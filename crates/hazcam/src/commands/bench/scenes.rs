@@ -45,7 +45,13 @@ impl SceneArguments {
             }
             None => cases.retain(|case| default.contains(&case.purpose) && case.has_truth()),
         }
-        if cases.is_empty() {
+        if cases.is_empty() && self.purpose.is_none() {
+            bail!(
+                "{} has no scene with truth: name its truth in scenes.json, or match pairs without \
+                 any by --use rover",
+                folder.display()
+            );
+        } else if cases.is_empty() {
             bail!("{} has no scene of the use that was asked for", folder.display());
         }
         matching(cases, |case| &case.id, self.scenes.as_deref())

@@ -9,13 +9,13 @@ use arena::board::{
     tests_fingerprint,
 };
 use arena::grade::output::text;
-use arena::grade::{Event, Outcome, Scene, Scheme};
+use arena::grade::{Outcome, Scene, Scheme};
 use arena::record::Machine;
 use arena::submission::is_secret_id;
 
 use crate::commands::grade::entrant::EntrantArguments;
 use crate::commands::grade::grading::{GradingArguments, Workshop};
-use crate::commands::grade::{scenes, show};
+use crate::commands::grade::scenes;
 use crate::ui::Ui;
 
 /// Grade an entrant and enter it, in the place of its owner's earlier entry
@@ -82,13 +82,13 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let mut shown = Ok(());
     let report = grader.grade(&name, &entrant, &mut |event| {
         if shown.is_ok() {
-            shown = show(&event, ui);
+            shown = ui.print(&text::event(&event));
         }
     });
     shown?;
     ui.print(&text::begins(&holdout.test))?;
     let result = grader.extra(&entrant, &holdout.test, &scene);
-    show(&Event::Ended(&result), ui)?;
+    ui.print(&text::ended(&result))?;
     ui.print(&text::summary(&report))?;
     if report.grader_failed() || result.outcome == Outcome::Xx {
         bail!("not entered, because the grader failed: mend what it says and add again");

@@ -7,7 +7,8 @@ use anyhow::{Context, bail};
 use arena::dataset::{self, Case};
 use arena::engine::Programs;
 use arena::grade::{
-    Allowance, Confinement, Grader, MOST_SECONDS, Scene, Scenes, Scheme, Test, load_scenes,
+    Allowance, Confinement, Grader, MOST_SECONDS, Scene, SceneSource, Scenes, Scheme, Test,
+    load_scenes,
 };
 use arena::sandbox;
 use arena::submission::{Python, Runner};
@@ -177,6 +178,22 @@ impl GradingArguments {
         self.scheme.as_deref()
     }
 
+    /// The files that the scheme's own scenes are.
+    pub fn scene_files(&self) -> anyhow::Result<Vec<PathBuf>> {
+        let scheme = self.read_scheme()?;
+        let sources = scheme.scenes.values().map(|source| source.within(self.folder()));
+        let files = |source| match source {
+            SceneSource::Files { left, right, truth, .. } => vec![left, right, truth],
+            SceneSource::Rendered { .. } => Vec::new(),
+        };
+        Ok(sources.flat_map(files).collect())
+    }
+
+    /// What the scheme's paths are relative to.
+    fn folder(&self) -> &Path {
+        self.scheme.as_deref().and_then(Path::parent).unwrap_or(Path::new(""))
+    }
+
     /// Says what it means when entrants run without a sandbox.
     pub fn warn_if_unconfined(&self, ui: &Ui) {
         if self.no_sandbox {
@@ -214,7 +231,6 @@ impl GradingArguments {
             Some(_) => "look at what HAZCAM_DATA or --data names",
             None => "set HAZCAM_DATA, or --data, to the folder with the course's images",
         };
-        let folder = self.scheme.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        Ok(load_scenes(scheme, folder, &cases, remedy, &scenes::render))
+        Ok(load_scenes(scheme, self.folder(), &cases, remedy, &scenes::render))
     }
 }

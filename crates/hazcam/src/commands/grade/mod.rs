@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use arena::grade::output::{autolab, gradescope, junit, text};
-use arena::grade::{COURSE, Event, Outcome, Report};
+use arena::grade::{COURSE, Outcome, Report};
 
 use crate::cli::{ERROR, THRESHOLD_FAILED};
 use crate::outputs::{self, Output};
@@ -95,19 +95,18 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (name, entrant) = args.entrant.open(&workshop)?;
     let grader = workshop.grader()?;
     args.grading.warn_if_unconfined(ui);
-    let mut shown = match shows_text {
-        true => ui.print(&text::header(&grader, &name)),
-        false => Ok(()),
-    };
-    let report = grader.grade(&name, &entrant, &mut |event| {
-        // A reader that went away must not keep the results from their file.
+    let mut told = String::new();
+    let mut shown = Ok(());
+    // What stdout does not take must not keep the results from their file.
+    let mut tell = |part: &str| {
+        told.push_str(part);
         if shows_text && shown.is_ok() {
-            shown = show(&event, ui);
+            shown = ui.print(part);
         }
-    });
-    if shows_text && shown.is_ok() {
-        shown = ui.print(&text::summary(&report));
-    }
+    };
+    tell(&text::header(&grader, &name));
+    let report = grader.grade(&name, &entrant, &mut |event| tell(&text::event(&event)));
+    tell(&text::summary(&report));
     if report.grader_failed() && matches!(args.format.as_str(), "autolab" | "gradescope") {
         // They would take the points for the entrant's, and nothing is known of the entrant.
         bail!(
@@ -116,7 +115,10 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             graders_faults(&report)
         );
     }
-    let results = results(&args.format, &report)?;
+    let results = match (args.format.as_str(), &args.output) {
+        ("text", Some(_)) => told,
+        _ => results(&args.format, &report)?,
+    };
     match &args.output {
         Some(path) => {
             outputs::write_all_or_none(&[Output::text(OUTPUT, path, &results)])?;
@@ -138,19 +140,17 @@ impl Args {
     /// long.
     fn check_output(&self) -> anyhow::Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
-        let inputs = [self.entrant.submission(), self.grading.scheme()];
-        let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
+        let lies_in = |folder: &Path| {
+            let places = formats::destination(path).ok().zip(folder.canonicalize().ok());
+            folder.is_dir() && places.is_some_and(|(place, folder)| place.starts_with(folder))
+        };
+        if self.entrant.submission().is_some_and(lies_in) {
+            bail!("{OUTPUT} {} would lie in the submission: name another folder", path.display());
+        }
+        let scenes = self.grading.scene_files()?;
+        let inputs = [self.entrant.submission(), self.grading.scheme()].into_iter().flatten();
+        let inputs: Vec<&Path> = inputs.chain(scenes.iter().map(PathBuf::as_path)).collect();
         outputs::check(&[Output::text(OUTPUT, path, "")], &inputs)
-    }
-}
-
-/// Prints one event of a grading.
-pub fn show(event: &Event<'_>, ui: &Ui) -> anyhow::Result<()> {
-    match event {
-        Event::Inspected([]) => Ok(()),
-        Event::Inspected(findings) => ui.print(&format!("{}\n", text::findings(findings))),
-        Event::Begins(test) => ui.print(&text::begins(test)),
-        Event::Ended(result) => ui.print(&text::ended(result)),
     }
 }
 

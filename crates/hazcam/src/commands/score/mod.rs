@@ -1,7 +1,7 @@
 //! `hazcam score`: a disparity map against ground truth.
 
 mod report;
-mod threshold;
+pub mod threshold;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

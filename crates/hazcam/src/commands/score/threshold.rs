@@ -1,4 +1,4 @@
-//! `--fail-over MEASURE=VALUE`.
+//! `--fail-over MEASURE=VALUE`, and the limits of `hazcam bench`.
 
 use std::str::FromStr;
 
@@ -52,8 +52,13 @@ impl Threshold {
     /// What to say when the score is over the threshold. A bias counts by its size, and a measure
     /// that has no value counts as over: nothing was answered.
     pub fn exceeded_by(&self, scores: &Scores) -> Option<String> {
+        self.exceeded(self.measure.value(scores))
+    }
+
+    /// The same of the measure's value.
+    pub fn exceeded(&self, value: Option<f64>) -> Option<String> {
         let name = self.measure.name;
-        match self.measure.value(scores) {
+        match value {
             None => Some(format!("{name} has no value, but must not be over {}", self.value)),
             Some(value) if value.abs() > self.value => {
                 Some(format!("{name} is {value:.4}, over {}", self.value))
