@@ -91,8 +91,8 @@ fn calibrated(
     Ok(match image {
         // Its folder tells, which a name from there does not have.
         Some(image) => {
-            let found = image.canonicalize().or_else(|_| std::path::absolute(image));
-            calibration.camera_of(found.as_deref().unwrap_or(image))
+            let place = formats::destination(image);
+            calibration.camera_of(place.as_deref().unwrap_or(image))
         }
         None => {
             if calibration.colour_camera.is_some() {

@@ -122,11 +122,10 @@ struct Entry<'a> {
 impl<'a> Entries<'a> {
     fn of(source: &'a Source, text: &'a str) -> Self {
         // Some editors begin a text with a mark that is none of its letters.
-        let mark =
-            text.chars().next().filter(|&first| first == '\u{feff}').map_or(0, char::len_utf8);
-        let (mut at, text) = (mark as u64, &text[mark..]);
+        let body = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut at = (text.len() - body.len()) as u64;
         let mut entries = Vec::new();
-        for line in text.split_inclusive('\n') {
+        for line in body.split_inclusive('\n') {
             if let Some((key, value)) = line.split_once(['=', ':']) {
                 entries.push(Entry { key: key.trim(), value: value.trim(), at });
             }

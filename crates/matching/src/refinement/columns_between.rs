@@ -55,7 +55,7 @@ impl Sources {
             };
             row_spread(level, same, row, values, reasons, confidence);
         });
-        let pixel = size_of::<f32>() + size_of::<Reason>() + size_of::<f32>();
+        let pixel = size_of::<f32>() + Self::bytes(1);
         Work::bytes(columns * rows + (columns + columns / 2) * rows * pixel)
     }
 }

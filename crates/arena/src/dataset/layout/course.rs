@@ -12,14 +12,14 @@ use crate::dataset::case::{Files, Purpose, TruthFile};
 const SCENES: [(&str, i32, &str); 2] =
     [("cones", 55, "cones_02_bounds.npy"), ("teddy", 55, "teddy_02_bounds.npy")];
 const KITTI: (i32, &str) = (150, "kitti_070_bounds.npy");
+/// Its frame in KITTI 2012.
+const FRAME: &str = "000070";
 
 /// What a scene of another data set is for, by its name there: the course measures with some of KITTI 2012 and
 /// Middlebury, wherever they are found.
 pub(super) fn purpose(scene: &str) -> Purpose {
-    match scene.to_lowercase().as_str() {
-        "cones" | "teddy" | "000070" => Purpose::Test,
-        _ => Purpose::Tuning,
-    }
+    let is_measured_with = SCENES.iter().any(|(own, ..)| scene.eq_ignore_ascii_case(own));
+    if is_measured_with || scene == FRAME { Purpose::Test } else { Purpose::Tuning }
 }
 
 /// Whether this is the folder above `images` and `data`.

@@ -90,7 +90,7 @@ pub fn summary(report: &Report) -> String {
 }
 
 /// What was noticed before anything was run.
-pub fn findings(report: &[crate::submission::Finding]) -> String {
+fn findings(report: &[crate::submission::Finding]) -> String {
     let text: String = report.iter().map(|finding| format!("{finding}\n")).collect();
     text.lines().map(|line| format!("{}\n", printable(line))).collect()
 }

@@ -16,13 +16,10 @@ use arena::record::Record;
 
 use crate::commands::score::threshold::Threshold;
 
-/// By measure.
-type Figures = BTreeMap<String, Threshold>;
-
 /// Limits by matcher and scene.
 pub struct Limits {
     path: PathBuf,
-    by_engine: BTreeMap<String, BTreeMap<String, Figures>>,
+    by_engine: BTreeMap<String, BTreeMap<String, Vec<Threshold>>>,
 }
 
 impl Limits {
@@ -38,18 +35,18 @@ impl Limits {
                     path.display()
                 )
             })?;
-        let mut by_engine = BTreeMap::<_, BTreeMap<_, Figures>>::new();
+        let threshold = |(measure, value): (String, f64)| {
+            Threshold::new(&measure, value)
+                .map_err(anyhow::Error::msg)
+                .with_context(|| format!("{}: {measure}", path.display()))
+        };
+        let mut by_engine = BTreeMap::<_, BTreeMap<_, _>>::new();
         for (engine, scenes) in numbers {
-            for (scene, numbers) in scenes {
-                let figures =
-                    by_engine.entry(engine.clone()).or_default().entry(scene).or_default();
-                for (measure, limit) in numbers {
-                    let threshold: Threshold = format!("{measure}={limit}")
-                        .parse()
-                        .map_err(anyhow::Error::msg)
-                        .with_context(|| format!("{}: {measure}", path.display()))?;
-                    figures.insert(measure, threshold);
-                }
+            let scenes_of_engine = by_engine.entry(engine).or_default();
+            for (scene, figures) in scenes {
+                let figures: Vec<_> =
+                    figures.into_iter().map(threshold).collect::<Result<_, _>>()?;
+                scenes_of_engine.insert(scene, figures);
             }
         }
         Ok(Self { path: path.to_owned(), by_engine })
@@ -68,14 +65,15 @@ impl Limits {
                         self.path.display()
                     );
                 };
-                for (measure, limit) in figures {
-                    let value = record.value("all", measure);
-                    if let Some(over) = limit.exceeded(value) {
-                        let status = record.status.name();
-                        let status =
-                            value.map_or_else(|| format!(" ({status})"), |_| String::new());
-                        broken.push(format!("{engine} on {scene}: {over}{status}"));
-                    }
+                for limit in figures {
+                    let value = record.value("all", limit.measure());
+                    // Of what was not answered it says why.
+                    let why = match value {
+                        Some(_) => String::new(),
+                        None => format!(" ({})", record.status.name()),
+                    };
+                    let over = limit.exceeded(value);
+                    broken.extend(over.map(|over| format!("{engine} on {scene}: {over}{why}")));
                 }
             }
         }

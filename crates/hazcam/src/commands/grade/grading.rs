@@ -178,15 +178,14 @@ impl GradingArguments {
         self.scheme.as_deref()
     }
 
-    /// The files that the scheme's own scenes are.
-    pub fn scene_files(&self) -> anyhow::Result<Vec<PathBuf>> {
-        let scheme = self.read_scheme()?;
+    /// The files that a scheme's own scenes are.
+    pub fn scene_files(&self, scheme: &Scheme) -> Vec<PathBuf> {
         let sources = scheme.scenes.values().map(|source| source.within(self.folder()));
         let files = |source| match source {
             SceneSource::Files { left, right, truth, .. } => vec![left, right, truth],
             SceneSource::Rendered { .. } => Vec::new(),
         };
-        Ok(sources.flat_map(files).collect())
+        sources.flat_map(files).collect()
     }
 
     /// What the scheme's paths are relative to.

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use arena::grade::output::{autolab, gradescope, junit, text};
-use arena::grade::{COURSE, Outcome, Report};
+use arena::grade::{COURSE, Outcome, Report, Scheme};
 
 use crate::cli::{ERROR, THRESHOLD_FAILED};
 use crate::outputs::{self, Output};
@@ -89,9 +89,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     args.entrant.check()?;
-    args.check_output()?;
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
+    args.check_output(workshop.scheme())?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     let grader = workshop.grader()?;
     args.grading.warn_if_unconfined(ui);
@@ -138,7 +138,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 impl Args {
     /// Errors when the results could not be written, or would replace what they are made from: grading takes
     /// long.
-    fn check_output(&self) -> anyhow::Result<()> {
+    fn check_output(&self, scheme: &Scheme) -> anyhow::Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
         let lies_in = |folder: &Path| {
             let places = formats::destination(path).ok().zip(folder.canonicalize().ok());
@@ -147,7 +147,7 @@ impl Args {
         if self.entrant.submission().is_some_and(lies_in) {
             bail!("{OUTPUT} {} would lie in the submission: name another folder", path.display());
         }
-        let scenes = self.grading.scene_files()?;
+        let scenes = self.grading.scene_files(scheme);
         let inputs = [self.entrant.submission(), self.grading.scheme()].into_iter().flatten();
         let inputs: Vec<&Path> = inputs.chain(scenes.iter().map(PathBuf::as_path)).collect();
         outputs::check(&[Output::text(OUTPUT, path, "")], &inputs)

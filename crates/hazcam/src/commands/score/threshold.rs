@@ -22,11 +22,7 @@ impl FromStr for Threshold {
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, value) =
             text.split_once('=').ok_or("give MEASURE=VALUE, for example p_bad=0.05")?;
-        let measure =
-            comparable().find(|m| m.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
-                let names: Vec<_> = comparable().map(|measure| measure.name).collect();
-                format!("`{name}` is no measure; the measures are {}", names.join(", "))
-            })?;
+        let measure = named(name)?;
         let (number, scale) = match (value.strip_suffix('%'), measure.unit) {
             (Some(number), Unit::Share) => (number, 0.01),
             (Some(_), Unit::Pixels) => {
@@ -34,21 +30,45 @@ impl FromStr for Threshold {
             }
             (None, _) => (value, 1.0),
         };
-        match number.parse::<f64>().map(|number| number * scale) {
-            // It would never be exceeded.
-            Ok(number) if number > 1.0 && measure.unit == Unit::Share => Err(format!(
-                "{} is a share, and `{value}` is more than all: give 0 to 1, or per cent as 5%",
-                measure.name
-            )),
-            Ok(number) if number.is_finite() && number >= 0.0 => {
-                Ok(Self { measure, value: number })
-            }
-            _ => Err(format!("`{value}` is no threshold: give a number, 0 or more")),
-        }
+        let number = number.parse::<f64>().map_or(f64::NAN, |number| number * scale);
+        Self::checked(measure, number, value)
     }
 }
 
+/// The measure of a name.
+fn named(name: &str) -> Result<Measure, String> {
+    comparable().find(|measure| measure.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+        let names: Vec<_> = comparable().map(|measure| measure.name).collect();
+        format!("`{name}` is no measure; the measures are {}", names.join(", "))
+    })
+}
+
 impl Threshold {
+    /// Of a measure by its name, in pixels or as a share.
+    pub fn new(name: &str, value: f64) -> Result<Self, String> {
+        Self::checked(named(name)?, value, &value.to_string())
+    }
+
+    /// With a value that was given in these words.
+    fn checked(measure: Measure, value: f64, said: &str) -> Result<Self, String> {
+        // It would never be exceeded.
+        if value > 1.0 && measure.unit == Unit::Share {
+            return Err(format!(
+                "{} is a share, and `{said}` is more than all: give 0 to 1, or per cent as 5%",
+                measure.name
+            ));
+        }
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(format!("`{said}` is no threshold: give a number, 0 or more"));
+        }
+        Ok(Self { measure, value })
+    }
+
+    /// The measure's name.
+    pub fn measure(&self) -> &'static str {
+        self.measure.name
+    }
+
     /// What to say when the score is over the threshold. A bias counts by its size, and a measure
     /// that has no value counts as over: nothing was answered.
     pub fn exceeded_by(&self, scores: &Scores) -> Option<String> {
