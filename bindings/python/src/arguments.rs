@@ -97,11 +97,16 @@ pub fn without(value: &Bound<'_, PyAny>) -> PyResult<Vec<Ingredient>> {
     if value.is_instance_of::<PyString>() {
         return Err(wrong());
     }
-    let names = value.try_iter().map_err(|_| wrong())?;
-    let ingredient = |name: PyResult<Bound<'_, PyAny>>| {
-        text("without", &name?, allowed)?.parse().map_err(of_matching)
-    };
-    names.map(ingredient).collect()
+    let mut without = Vec::new();
+    for name in value.try_iter().map_err(|_| wrong())? {
+        let ingredient = text("without", &name?, allowed)?.parse().map_err(of_matching)?;
+        if !without.contains(&ingredient) {
+            without.push(ingredient);
+        }
+        // An iterator may go on for ever.
+        value.py().check_signals()?;
+    }
+    Ok(without)
 }
 
 /// `(x0, y0, x1, y1)`, inclusive, or `None` for the whole image.
@@ -112,11 +117,15 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<Option<BoundingBox>> {
     let needed = "four whole numbers (x0, y0, x1, y1) are needed, first column and row, last column and \
                   row, all part of the box; the course's [[x0, x1], [y0, y1]] is for hazcam.course";
     let wrong = || wrong_type("box", shown(value), needed);
-    let sides: Vec<i64> = value
-        .try_iter()
-        .map_err(|_| wrong())?
-        .map(|side| side.and_then(|side| side.extract()).map_err(|_| wrong()))
-        .collect::<PyResult<_>>()?;
+    let mut sides = Vec::new();
+    // One more than are needed: an iterator may go on for ever.
+    for side in value.try_iter().map_err(|_| wrong())?.take(5) {
+        sides.push(side?.extract::<i64>().map_err(|error| {
+            let too_large = error.is_instance_of::<PyOverflowError>(value.py());
+            let allowed = "its sides must be columns and rows of the image";
+            if too_large { wrong_value("box", shown(value), allowed) } else { wrong() }
+        })?);
+    }
     let &[x0, y0, x1, y1] = &sides[..] else { return Err(wrong()) };
     let side = |side| {
         let allowed = "its sides must be 0 or more: they count columns and rows from the top left";

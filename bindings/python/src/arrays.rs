@@ -58,16 +58,32 @@ pub fn kind(array: &Bound<'_, PyUntypedArray>) -> char {
 pub fn with_samples<T: Element, U>(
     name: &str,
     array: &Bound<'_, PyArrayDyn<T>>,
-    take: impl FnOnce(&[T]) -> U,
+    take: impl FnOnce(&[T]) -> PyResult<U>,
 ) -> PyResult<U> {
     if array.is_c_contiguous()
         && let Ok(samples) = array.try_readonly()?.as_slice()
     {
-        return Ok(take(samples));
+        return take(samples);
     }
     let copy = copied(name, array.as_untyped(), "copy", "C")?.cast_into::<PyArrayDyn<T>>()?;
     let copy = copy.try_readonly()?;
-    Ok(take(copy.as_slice()?))
+    take(copy.as_slice()?)
+}
+
+/// `samples` as our own, each changed on the way, if there is memory for them.
+pub fn owned<T: Copy, U>(
+    name: &str,
+    samples: &[T],
+    change: impl FnMut(T) -> U,
+) -> PyResult<Vec<U>> {
+    let mut own = Vec::new();
+    own.try_reserve_exact(samples.len()).map_err(|_| {
+        let bytes = size_of::<U>() as u128 * samples.len() as u128;
+        let what = format!("a copy of `{name}` takes {bytes} bytes, for which there is no memory");
+        FrameMemoryError::new_err(what)
+    })?;
+    own.extend(samples.iter().copied().map(change));
+    Ok(own)
 }
 
 /// A copy that numpy makes, by one of its methods: of a view, which may show few samples many times, it

@@ -4,7 +4,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use raster::Plane;
 
-use crate::arrays::{array, copied, described, kind, size, with_samples};
+use crate::arrays::{array, copied, described, kind, owned, size, with_samples};
 use crate::errors::{wrong_type, wrong_value};
 
 const MAP: &str = "a map of disparities is a numpy array of numbers with shape (rows, columns), in pixels, \
@@ -20,12 +20,14 @@ pub fn map(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<f32>> {
     }
     let (rows, columns) = size(name, array, MAP)?;
     let samples = match array.cast::<PyArrayDyn<f32>>() {
-        Ok(samples) => with_samples(name, samples, <[f32]>::to_vec)?,
+        Ok(samples) => {
+            with_samples(name, samples, |samples| owned(name, samples, |sample| sample))?
+        }
         Err(_) => {
             let wide = copied(name, array, "astype", "float64")?;
             with_samples(name, wide.cast::<PyArrayDyn<f64>>()?, |samples| {
                 narrow(name, columns, samples)
-            })??
+            })?
         }
     };
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
@@ -39,7 +41,7 @@ fn narrow(name: &str, columns: usize, samples: &[f64]) -> PyResult<Vec<f32>> {
         let what = format!("{value:?} at column {x}, row {y}");
         return Err(wrong_value(name, what, "disparities must fit float32"));
     }
-    Ok(samples.iter().map(|&value| value as f32).collect())
+    owned(name, samples, |value| value as f32)
 }
 
 /// A mask from Python.
@@ -50,6 +52,6 @@ pub fn mask(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<bool>> {
         return Err(wrong_type(name, described(array), remedy));
     };
     let (rows, columns) = size(name, array, MASK)?;
-    let samples = with_samples(name, samples, <[bool]>::to_vec)?;
+    let samples = with_samples(name, samples, |samples| owned(name, samples, |sample| sample))?;
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
 }

@@ -1,7 +1,10 @@
 """What is wrong is named, with what was given, what is allowed, and the remedy."""
 
 import errno
+import itertools
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -173,6 +176,10 @@ VALUES = [
         "`box` is (-1, 0, 3, 3) (tuple), but its sides must be 0 or more: they "
         "count columns and rows "
         "from the top left",
+    ),
+    (
+        lambda: fast(box=(0, 0, 2**70, 3)),
+        f"`box` is (0, 0, {2**70}, 3) (tuple), but its sides must be columns and rows of the image",
     ),
     (
         lambda: fast(box=(3, 0, 2, 3)),
@@ -349,6 +356,10 @@ TYPES = [
     ),
     (lambda: fast(box=(1, 2, 3)), f"`box` is (1, 2, 3) (tuple), but {BOX}"),
     (lambda: fast(box=(0, 0, 1.5, 2)), f"`box` is (0, 0, 1.5, 2) (tuple), but {BOX}"),
+    (
+        lambda: fast(box=itertools.repeat(1)),
+        f"`box` is repeat(1) (repeat), but {BOX}",
+    ),
     (lambda: fast(box=3), f"`box` is 3 (int), but {BOX}"),
     # Scores.
     (
@@ -436,6 +447,35 @@ def test_memory_that_does_not_do_is_told():
     )
     # It is fit for what does fit.
     assert Matcher("fast", 4, memory=1_000_000).compute(GREY, GREY).values.shape == (6, 9)
+
+
+# Maps and images of 100 million samples, all one page, in a process that may take 300 MB more.
+SCARCE = """
+import mmap, resource
+import numpy as np
+import hazcam
+samples = np.frombuffer(mmap.mmap(-1, 400_000_000), np.float32).reshape(10_000, 10_000)
+with open("/proc/self/statm") as file:
+    taken = int(file.read().split()[0]) * mmap.PAGESIZE
+resource.setrlimit(resource.RLIMIT_AS, (taken + 300_000_000, resource.RLIM_INFINITY))
+image = samples.view(np.uint8).reshape(10_000, -1)[:, :40_000]
+for call in (
+    lambda: hazcam.score(samples, samples),
+    lambda: hazcam.match(image, image, 4),
+):
+    try:
+        call()
+    except hazcam.FrameMemoryError as error:
+        print(error)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit is Linux's")
+def test_an_argument_for_which_there_is_no_memory_is_named():
+    done = subprocess.run([sys.executable, "-c", SCARCE], capture_output=True, text=True)
+    copies = [f"a copy of `{name}` takes 400000000 bytes" for name in ("disparity", "left")]
+    expected = "".join(f"{copy}, for which there is no memory\n" for copy in copies)
+    assert (done.returncode, done.stdout) == (0, expected), done.stderr
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float16])

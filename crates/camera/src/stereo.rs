@@ -129,7 +129,7 @@ impl StereoCamera {
     }
 
     /// The point of each pixel of a map of disparities in pixels, in the order of rows: `None` where
-    /// `depths`, those of the same pixels, have none.
+    /// `depths`, those of the same pixels, have none, and where a coordinate is beyond 32 bits.
     ///
     /// # Panics
     ///
@@ -145,7 +145,8 @@ impl StereoCamera {
         pixels.map(move |(at, (&disparity, depth))| {
             let (x, y) = ((at % columns) as f64, (at / columns) as f64);
             let point = self.point(x, y, f64::from(disparity)).filter(|_| !depth.is_nan())?;
-            Some(point.map(|coordinate| coordinate as f32))
+            let point = point.map(|coordinate| coordinate as f32);
+            point.iter().all(|coordinate| coordinate.is_finite()).then_some(point)
         })
     }
 }
@@ -233,6 +234,18 @@ mod tests {
         let depths = Plane::new(2, 2, vec![2.0, f32::NAN, f32::NAN, 1.0]).unwrap();
         let points: Vec<_> = camera.points(&disparities, &depths).collect();
         assert_eq!(points, [Some([-0.02, 0.0, 2.0]), None, None, Some([0.0, 0.01, 1.0])]);
+    }
+
+    #[test]
+    fn a_coordinate_beyond_32_bits_is_no_point() {
+        // Depth 1e32 m, and 1e10 px beside the axis of a focal length of 100 px: 1e40 m.
+        let camera = StereoCamera::new(100.0, 1.0, 0.0, 1e10, 0.0).unwrap();
+        let disparities = Plane::new(2, 1, vec![1e-30, 50.0]).unwrap();
+        let depths = camera.depth_map(&disparities);
+        assert_eq!(depths.samples()[0], 1e32);
+        let points: Vec<_> = camera.points(&disparities, &depths).collect();
+        assert_eq!(points[0], None);
+        assert!(points[1].is_some(), "{points:?}");
     }
 
     #[test]

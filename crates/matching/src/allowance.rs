@@ -1,7 +1,7 @@
 //! How much memory a frame may take.
 
 use crate::MatchError;
-use crate::machine::{Memory, taken};
+use crate::machine::{BOUNDS, Memory, taken};
 use crate::matcher::Frame;
 
 /// Bytes per pixel of copies of the answer that others keep, of this frame and of the one before.
@@ -14,20 +14,21 @@ const ODDS_AND_ENDS: usize = 16 << 20;
 pub(crate) struct Allowance {
     asked: Option<usize>,
     there: Option<usize>,
-    /// Where a control group bounds what there is.
+    /// Where this process is bounded to less than there is.
     bound: Option<usize>,
 }
 
 impl Allowance {
-    /// What a process with so many bytes `taken` may take for a frame of so many pixels. Its images are among the
-    /// former.
-    fn new(asked: Option<usize>, memory: Memory, taken: usize, pixels: usize) -> Self {
-        let besides = taken + ANSWERS * pixels + ODDS_AND_ENDS;
-        match memory.bound {
+    /// What a process that has `taken` so many bytes of each bound may take for a frame of so many pixels. Its images
+    /// are among the former.
+    fn new(asked: Option<usize>, memory: Memory, taken: [usize; BOUNDS], pixels: usize) -> Self {
+        let besides = ANSWERS * pixels + ODDS_AND_ENDS;
+        let left = |(bound, taken): (Option<usize>, usize)| {
+            bound.map(|bound| (bound.saturating_sub(taken + besides), bound))
+        };
+        match memory.bounds.into_iter().zip(taken).filter_map(left).min() {
             None => Self { asked, there: memory.whole, bound: None },
-            Some(bound) => {
-                Self { asked, there: Some(bound.saturating_sub(besides)), bound: Some(bound) }
-            }
+            Some((there, bound)) => Self { asked, there: Some(there), bound: Some(bound) },
         }
     }
 
@@ -133,22 +134,29 @@ mod tests {
 
     #[test]
     fn a_bound_leaves_what_is_not_taken_for_else() {
-        let memory = |bound| Memory { whole: Some(8 << 30), bound };
-        let there = |bound, taken| Allowance::new(None, memory(bound), taken, 1 << 20).there;
-        assert_eq!(there(None, 1 << 20), Some(8 << 30));
+        let memory = |bounds| Memory { whole: Some(8 << 30), bounds };
+        let there = |bounds, taken| Allowance::new(None, memory(bounds), taken, 1 << 20);
+        let taken = [10 << 20, 50 << 20, 20 << 20];
+        assert_eq!(there([None; BOUNDS], taken).there, Some(8 << 30));
         // Of 100 MiB the process has 10, others keep 18 of answers, and 16 are for odds and ends.
-        assert_eq!(there(Some(100 << 20), 10 << 20), Some(56 << 20));
-        assert_eq!(there(Some(40 << 20), 10 << 20), Some(0));
+        assert_eq!(there([Some(100 << 20), None, None], taken).there, Some(56 << 20));
+        assert_eq!(there([Some(40 << 20), None, None], taken).there, Some(0));
+        // Of several bounds that counts which leaves the least.
+        let least = there([Some(100 << 20), Some(120 << 20), Some(300 << 20)], taken);
+        assert_eq!((least.there, least.bound), (Some(36 << 20), Some(120 << 20)));
+        let least = there([None, None, Some(90 << 20)], taken);
+        assert_eq!((least.there, least.bound), (Some(36 << 20), Some(90 << 20)));
         let image = Image::Grey8(Plane::filled(30, 20, 0));
         let bounds = BoundingBox::whole(30, 20);
         let range = DisparityRange::new(0, 15).unwrap();
-        let allowance = Allowance::new(None, memory(Some(100 << 20)), 90 << 20, 600);
+        let memory = memory([Some(100 << 20), None, None]);
+        let allowance = Allowance::new(None, memory, [90 << 20, 0, 0], 600);
         let frame = Frame { left: &image, right: &image, bounds, range };
         assert_eq!(
             allowance.admit(&frame, 5_000_000).unwrap_err().to_string(),
             "30 x 20 pixels and 16 disparities need at least 5 MB, but of the 104 MB that this \
-             container or service may take 0 MB are left for that: raise its limit, narrow the \
-             range, or match a box"
+             process may take 0 MB are left for that: raise the limit of its container, service or \
+             shell (ulimit), narrow the range, or match a box"
         );
     }
 
@@ -157,7 +165,7 @@ mod tests {
         let image = Image::Grey8(Plane::filled(30, 20, 0));
         let (bounds, range) = (BoundingBox::whole(30, 20), DisparityRange::new(0, 15).unwrap());
         let frame = Frame { left: &image, right: &image, bounds, range };
-        let memory = Memory { whole: Some(8 << 30), bound: Some(4 << 30) };
+        let memory = Memory { whole: Some(8 << 30), bounds: [Some(4 << 30), None, None] };
         let mut admission = Admission { asked: None, memory, largest: None };
         let first = admission.of(&frame, 1000).unwrap().there;
         // More than other tests in this process may give back meanwhile.

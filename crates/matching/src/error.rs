@@ -50,6 +50,16 @@ pub enum MatchError {
         /// Pixels allowed.
         limit: usize,
     },
+    /// The images are wider than places in them can be told to fractions of a pixel.
+    #[error(
+        "the images are {columns} columns wide, but at most {limit} can be matched: cut them into tiles"
+    )]
+    TooWide {
+        /// Columns of either image.
+        columns: usize,
+        /// Columns allowed.
+        limit: usize,
+    },
     /// The work does not fit the memory that is allowed.
     #[error(
         "option `memory` is {} MB, but {columns} x {rows} pixels and {disparities} disparities need \
@@ -69,7 +79,8 @@ pub enum MatchError {
         /// Bytes allowed.
         limit: usize,
     },
-    /// The work does not fit the memory that the machine has, or that a container leaves it.
+    /// The work does not fit the memory that the machine has, or that is left of what a process may
+    /// take.
     #[error(
         "{columns} x {rows} pixels and {disparities} disparities need at least {} MB, but {}",
         needed.div_ceil(1_000_000),
@@ -86,7 +97,8 @@ pub enum MatchError {
         needed: usize,
         /// Bytes that there are for it: of the machine with swap, or what is left of the bound.
         there: usize,
-        /// Bytes that a control group (a container, a service) bounds the process to, if one does.
+        /// Bytes that the process is bounded to, if it is: by a control group (a container, a service), or
+        /// by `ulimit`.
         bound: Option<usize>,
     },
 }
@@ -97,8 +109,8 @@ fn too_little(there: usize, bound: Option<usize>) -> String {
     match bound {
         None => format!("this machine has {there} MB: narrow the range, or match a box"),
         Some(bound) => format!(
-            "of the {} MB that this container or service may take {there} MB are left for that: \
-             raise its limit, narrow the range, or match a box",
+            "of the {} MB that this process may take {there} MB are left for that: raise the limit of \
+             its container, service or shell (ulimit), narrow the range, or match a box",
             bound / 1_000_000
         ),
     }

@@ -66,3 +66,6 @@ pub use profile::Stage;
 
 /// The most pixels that an image may have: more are answered by [`MatchError::TooLarge`].
 pub const MOST_PIXELS: usize = refinement::groups::LARGEST;
+/// The most columns that an image may have: more are answered by [`MatchError::TooWide`]. Fractions of a column
+/// are told in 32 bits.
+pub const MOST_COLUMNS: usize = 1 << 22;

@@ -4,45 +4,54 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// How a process can be bounded: by a control group, as containers and services are, where who takes more is
+/// killed; by its address space; by its data. The last two are what `ulimit -v` and `-d` set, where who takes
+/// more gets none.
+pub(crate) const BOUNDS: usize = 3;
+
 /// What memory there is, as far as the system tells.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Memory {
     /// Bytes of the machine, with what it swaps to.
     pub whole: Option<usize>,
-    /// Bytes that a control group bounds this process to, as containers and services are bounded: who takes more is
-    /// killed.
-    pub bound: Option<usize>,
+    /// Bytes of each of the [`BOUNDS`] that is less.
+    pub bounds: [Option<usize>; BOUNDS],
 }
 
 impl Memory {
     /// What there is now.
     #[cfg(target_os = "linux")]
     pub fn now() -> Self {
+        use rustix::process::{Resource, getrlimit};
         let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
         let whole = whole();
-        let bound = bound(Path::new("/sys/fs/cgroup"), &groups);
-        // Where nobody bounds it, a huge number stands.
-        Self { whole, bound: bound.filter(|&bound| whole.is_none_or(|whole| bound < whole)) }
+        let limit = |resource| usize::try_from(getrlimit(resource).current?).ok();
+        let group = bound(Path::new("/sys/fs/cgroup"), &groups);
+        let bounds = [group, limit(Resource::As), limit(Resource::Data)];
+        // Where nobody bounds it, a huge number may stand.
+        let counts = |bound: &usize| whole.is_none_or(|whole| *bound < whole);
+        Self { whole, bounds: bounds.map(|bound| bound.filter(counts)) }
     }
 
     #[cfg(not(target_os = "linux"))]
     pub fn now() -> Self {
-        Self { whole: None, bound: None }
+        Self { whole: None, bounds: [None; BOUNDS] }
     }
 }
 
-/// Bytes that this process has for itself alone, files that it only reads not among them; 0 where that cannot be
-/// told. Nothing is allocated.
-pub(crate) fn taken() -> usize {
+/// Bytes that this process has taken of each of the [`BOUNDS`], of that of a group without the files that it only
+/// reads; 0 where that cannot be told. Nothing is allocated.
+pub(crate) fn taken() -> [usize; BOUNDS] {
     let mut text = [0; 128];
     let read = File::open("/proc/self/statm").and_then(|mut file| file.read(&mut text));
     let text = std::str::from_utf8(&text[..read.unwrap_or(0)]).unwrap_or_default();
-    // Of all its pages: those that are there, and those of these that are shared.
-    let mut pages = text.split(' ').skip(1).map_while(|number| number.parse::<usize>().ok());
-    match (pages.next(), pages.next()) {
-        (Some(there), Some(shared)) => there.saturating_sub(shared) * page_size(),
-        _ => 0,
+    let mut pages = [0usize; 6];
+    for (pages, number) in pages.iter_mut().zip(text.split_ascii_whitespace()) {
+        *pages = number.parse().unwrap_or(0);
     }
+    // All its pages, those that are there, and those of these that are shared; its code, nothing, and its data.
+    let [all, there, shared, _, _, data] = pages;
+    [there.saturating_sub(shared), all, data].map(|pages| pages * page_size())
 }
 
 #[cfg(target_os = "linux")]
@@ -98,9 +107,9 @@ mod tests {
             line.trim().trim_end_matches(" kB").parse::<usize>().unwrap() * 1024
         };
         assert_eq!(whole(), Some(of("MemTotal:") + of("SwapTotal:")));
-        let Memory { whole: told, bound } = Memory::now();
+        let Memory { whole: told, bounds } = Memory::now();
         assert_eq!(told, whole());
-        assert!(bound < told);
+        assert!(bounds.iter().all(|&bound| bound < told));
     }
 
     #[cfg(target_os = "linux")]
@@ -110,7 +119,9 @@ mod tests {
         // More than other tests in this process may give back meanwhile.
         let more = std::hint::black_box(vec![1u8; 256 << 20]);
         let now = taken();
-        assert!(now > before + (128 << 20), "{before}, {now} with {}", more.len());
+        for (now, before) in now.into_iter().zip(before) {
+            assert!(now > before + (128 << 20), "{before}, {now} with {}", more.len());
+        }
     }
 
     #[test]

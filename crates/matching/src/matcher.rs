@@ -9,7 +9,7 @@ use crate::presets;
 use crate::profile::{Profile, Stage};
 use crate::refinement::groups::LARGEST;
 use crate::threads;
-use crate::{Holes, MatchError, Options, VerticalDisparity};
+use crate::{Holes, MOST_COLUMNS, MatchError, Options, VerticalDisparity};
 
 /// One pair of images with everything that is asked of it, checked: equal sizes, at least one
 /// pixel, a box inside the image.
@@ -162,7 +162,8 @@ impl Matcher {
     ///
     /// * [`MatchError::SizesDiffer`] and [`MatchError::NoPixels`] for images that are no pair;
     /// * [`MatchError::Bounds`] for a box that leaves them;
-    /// * [`MatchError::TooLarge`] for more pixels than can be counted;
+    /// * [`MatchError::TooLarge`] and [`MatchError::TooWide`] for more pixels than can be counted, and for more
+    ///   columns than can be told apart;
     /// * [`MatchError::Memory`] and [`MatchError::MachineMemory`] for a frame that does not fit what is
     ///   allowed ([`Options::memory`]) or there.
     pub fn compute(
@@ -188,6 +189,9 @@ impl Matcher {
         bounds.check_within(columns, rows)?;
         if columns * rows > LARGEST {
             return Err(MatchError::TooLarge { columns, rows, limit: LARGEST });
+        }
+        if columns > MOST_COLUMNS {
+            return Err(MatchError::TooWide { columns, limit: MOST_COLUMNS });
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
         let Self { admission, pipeline, map, profile, .. } = self;
@@ -270,6 +274,46 @@ pub(crate) mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn what_lies_outside_the_right_image_and_nothing_else_is_marked_so() {
+        // A slanted floor, of which the left strip goes on and the right one begins.
+        let images = [0, 1].map(|view| {
+            Image::Grey8(Plane::from_fn(150, 60, |x, y| {
+                let x = x + view * (4 + y / 5);
+                (x * 7919 + y * 104_729 + x * x * y * 31) as u8
+            }))
+        });
+        for (preset, mirror) in Preset::ALL.into_iter().flat_map(|p| [(p, false), (p, true)]) {
+            let (least, most) = if mirror { (-20, 0) } else { (0, 20) };
+            let range = DisparityRange::new(least, most).unwrap();
+            let mut matcher = Matcher::new(Options::new(preset, range)).unwrap();
+            let [left, right] = if mirror { [&images[1], &images[0]] } else { images.each_ref() };
+            let map = matcher.compute(left, right, None).unwrap();
+            let mut outside = 0;
+            for (at, (&d, &reason)) in
+                map.values.samples().iter().zip(map.reasons.samples()).enumerate()
+            {
+                let right = (at % 150) as f32 - d;
+                let is_outside = !(-0.5..=149.5).contains(&right);
+                assert_eq!(reason == Reason::OutsideRightFilled, is_outside, "{preset} {at}: {d}");
+                outside += usize::from(is_outside);
+            }
+            assert!(outside > 200, "{preset}: {outside}");
+        }
+    }
+
+    #[test]
+    fn wider_images_than_places_can_be_told_in_are_refused() {
+        let image = Image::Grey8(Plane::filled(MOST_COLUMNS + 1, 1, 0));
+        let range = DisparityRange::new(0, 3).unwrap();
+        let mut matcher = Matcher::new(Options::new(Preset::Fast, range)).unwrap();
+        assert_eq!(
+            matcher.compute(&image, &image, None).unwrap_err().to_string(),
+            "the images are 4194305 columns wide, but at most 4194304 can be matched: cut them into \
+             tiles"
+        );
     }
 
     #[test]

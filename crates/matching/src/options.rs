@@ -82,8 +82,8 @@ pub struct Options {
     /// are refused. `balanced` and `best` take more time where they have less memory, the answer
     /// does not depend on it. Without a limit they take up to 200 MB, or what they need beside the
     /// sums of semi-global matching and 100 MB for these, as far as that will do; where there is
-    /// less, on the machine or by a control group (a container, a service), no more than that; frames that need
-    /// more are refused (Linux).
+    /// less, on the machine or by a control group (a container, a service) or `ulimit`, no more than that; frames
+    /// that need more are refused (Linux).
     ///
     /// What a frame takes is reckoned for itself: a matcher that is fed frames of several sizes keeps
     /// what each of them has taken.

@@ -9,14 +9,15 @@ pub enum Reason {
     /// Outside the box that was asked for: no value.
     #[default]
     OutsideBox = 0,
-    /// Found in the right image and confirmed by every check that the matcher makes.
+    /// Found in the right image and confirmed by every check that the matcher makes. `x - d` lies inside it.
     Matched = 1,
     /// Seen by the left camera only (hidden by something nearer in the right image); filled from
     /// the background.
     OccludedFilled = 2,
     /// The match was wrong or ambiguous; filled from its surroundings.
     MismatchedFilled = 3,
-    /// The match lies outside the right image; extrapolated from where both cameras see.
+    /// The match lies outside the right image, of so many columns: `x - d` is below -0.5 or above
+    /// `columns - 0.5`. Extrapolated from where both cameras see.
     OutsideRightFilled = 4,
     /// As [`Reason::OccludedFilled`], but left without a value because holes were asked for.
     OccludedHole = 5,

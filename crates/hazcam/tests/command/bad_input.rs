@@ -215,6 +215,19 @@ fn memory_that_is_none_or_too_little() {
     folder.refuses(&format!("{MATCH} --memory=100kB"), &expected);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_a_shell_does_not_give() {
+    let folder = Folder::with_pair(1200, 900);
+    let before = folder.names();
+    let outcome = folder.run_in_shell("ulimit -v 150000", &format!("{MATCH} -m best"), "");
+    assert_eq!((outcome.status, outcome.stdout.as_str()), (2, ""), "{}", outcome.stderr);
+    let bounded = "of the 153 MB that this process may take ";
+    assert!(outcome.stderr.contains(bounded), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("raise the limit of its container"), "{}", outcome.stderr);
+    assert_eq!(folder.names(), before);
+}
+
 #[test]
 fn truth_of_another_size() {
     let folder = Folder::new();

@@ -57,13 +57,13 @@ impl Answer {
         &mut self,
         search: Search<'_>,
         bounds: BoundingBox,
-        values: &mut Plane<f32>,
+        answer: &mut DisparityMap,
     ) -> Work {
         let Search { ingredients, level, work, numbers, .. } = search;
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
         let map = Steps { steps: &self.steps, numbers, first: (work.x0, work.y0) };
         let smooths = ingredients.has(Ingredient::Median);
-        self.medians.of_box(level, smooths, map, bounds, height, values)
+        self.medians.of_box(level, smooths, map, bounds, height, answer)
     }
 }
 

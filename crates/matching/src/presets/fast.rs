@@ -194,7 +194,7 @@ impl Fast {
         any
     }
 
-    /// Step 9: the median, and disparities in pixels.
+    /// Step 9: the median, disparities in pixels, and which of them lie outside the right image.
     fn smooth(
         &mut self,
         frame: &Frame<'_>,
@@ -205,7 +205,7 @@ impl Fast {
         let bounds = frame.bounds;
         let first = (bounds.x0, bounds.y0);
         let steps = Steps { steps: &self.disparities, numbers, first };
-        self.medians.of_box(self.level, true, steps, bounds, height, &mut map.values)
+        self.medians.of_box(self.level, true, steps, bounds, height, map)
     }
 }
 

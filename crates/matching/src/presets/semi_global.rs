@@ -380,7 +380,7 @@ impl SemiGlobalMatching {
                 map.values.samples_mut().fill(nowhere);
                 Work::default()
             }
-            _ => self.answer.smooth(search, bounds, &mut map.values),
+            _ => self.answer.smooth(search, bounds, map),
         };
         profile.end("median", medians);
         map.values.fill_around(bounds, f32::NAN);

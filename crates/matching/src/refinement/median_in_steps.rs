@@ -4,9 +4,10 @@
 //! In: a map without holes, of a part of the image; beyond its borders it is repeated. Out: the rows of
 //! a box inside that part. Bands of rows are done by a thread each; the answer does not depend on them.
 
-use raster::{BoundingBox, Plane};
+use raster::{BoundingBox, DisparityMap, Plane};
 use rayon::prelude::*;
 
+use super::outside;
 use crate::kernels::level::Level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::profile::Work;
@@ -26,8 +27,8 @@ pub(crate) struct Steps<'a> {
 pub(crate) struct Medians(Vec<Vec<u16>>);
 
 impl Medians {
-    /// Writes the medians of a box of the image into `values`, in pixels; without `smooths`, the
-    /// disparities as they are. A band has so many rows.
+    /// Writes the medians of a box of the image into `answer`, in pixels; without `smooths`, the
+    /// disparities as they are. Its reasons are told what now lies outside the right image. A band has so many rows.
     pub fn of_box(
         &mut self,
         level: Level,
@@ -35,17 +36,20 @@ impl Medians {
         map: Steps<'_>,
         bounds: BoundingBox,
         height: usize,
-        values: &mut Plane<f32>,
+        answer: &mut DisparityMap,
     ) -> Work {
         let Steps { steps, numbers, first: (x0, y0) } = map;
         let (dx, dy) = (bounds.x0 - x0, bounds.y0 - y0);
-        let width = values.columns();
+        let width = answer.values.columns();
         self.0.resize_with(bounds.rows().div_ceil(height), Vec::new);
-        let rows = &mut values.samples_mut()[bounds.y0 * width..(bounds.y1 + 1) * width];
-        let bands = self.0.par_iter_mut().zip(rows.par_chunks_mut(height * width));
-        bands.enumerate().for_each(|(i, (medians, rows))| {
+        let of_box = bounds.y0 * width..(bounds.y1 + 1) * width;
+        let values = answer.values.samples_mut()[of_box.clone()].par_chunks_mut(height * width);
+        let reasons = answer.reasons.samples_mut()[of_box].par_chunks_mut(height * width);
+        let bands = self.0.par_iter_mut().zip(values).zip(reasons);
+        bands.enumerate().for_each(|(i, ((medians, values), reasons))| {
             medians.resize(steps.columns(), 0);
-            for (y, row) in (dy + i * height..).zip(rows.chunks_exact_mut(width)) {
+            let rows = values.chunks_exact_mut(width).zip(reasons.chunks_exact_mut(width));
+            for (y, (row, reasons)) in (dy + i * height..).zip(rows) {
                 if smooths {
                     median_of_5_rows(level, rows_around(steps, y), medians);
                 } else {
@@ -53,10 +57,11 @@ impl Medians {
                 }
                 let row = &mut row[bounds.x0..=bounds.x1];
                 row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
+                outside::mark(level, width, bounds.x0, row, &mut reasons[bounds.x0..=bounds.x1]);
             }
         });
         let median = if smooths { median::OPERATIONS } else { 0 };
-        let pixel = Work::bytes(2 + 4) + Work::operations(median);
+        let pixel = Work::bytes(2 + 4 + 2) + Work::operations(median);
         pixel * (bounds.columns() * bounds.rows())
     }
 }
@@ -91,15 +96,15 @@ mod tests {
             for (smooths, height) in
                 [true, false].into_iter().flat_map(|s| [(s, 1), (s, 5), (s, 99)])
             {
-                let mut values = Plane::filled(columns, rows, f32::NAN);
+                let mut answer = DisparityMap::empty(columns, rows);
                 let mut medians = Medians::default();
-                medians.of_box(Level::detect(), smooths, map, bounds, height, &mut values);
+                medians.of_box(Level::detect(), smooths, map, bounds, height, &mut answer);
                 for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
                     let expected = bounds.contains(x, y).then(|| {
                         let (x, y) = (x - part.x0, y - part.y0);
                         numbers.pixels(if smooths { median(x, y) } else { steps.row(y)[x] })
                     });
-                    let found = values.row(y)[x];
+                    let found = answer.values.row(y)[x];
                     assert_eq!(Some(found).filter(|v| !v.is_nan()), expected, "({x}, {y})");
                 }
             }

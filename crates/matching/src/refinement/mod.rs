@@ -6,6 +6,7 @@ pub(crate) mod groups;
 pub(crate) mod least_squares;
 pub(crate) mod median;
 pub(crate) mod median_in_steps;
+pub(crate) mod outside;
 pub(crate) mod plane_fill;
 pub(crate) mod plane_fit;
 pub(crate) mod row_fill;

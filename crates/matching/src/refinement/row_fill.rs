@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use raster::Reason;
 
+use super::outside::is_outside;
 use crate::selection::fixed_point::{FixedPoint, HOLE};
 
 /// Fills rows that begin with a hole from the nearest row that does not, or with `nowhere` where
@@ -135,8 +136,7 @@ impl Filling {
 
 /// The reason of a filled pixel.
 pub(crate) fn filled(width: usize, column: usize, value: f32, hole: Reason) -> Reason {
-    let right = column as f32 - value;
-    if right < -0.5 || right > width as f32 - 0.5 {
+    if is_outside(width, column, value) {
         Reason::OutsideRightFilled
     } else if hole == Reason::MismatchedHole {
         Reason::MismatchedFilled
