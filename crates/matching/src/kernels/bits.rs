@@ -21,6 +21,10 @@ pub(crate) struct Weight {
     /// In 64ths.
     pub each: u16,
     /// What so many bits count.
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(dead_code, reason = "looked up from AVX-512 on")
+    )]
     of_bits: [u8; 2 * LANES],
 }
 

@@ -114,7 +114,8 @@ pub(crate) type Lanes = Line<[f32; LANES]>;
 
 /// What adds pairs of products at one level.
 pub(crate) trait Products: Bits + LookUp + Nearness {
-    /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be.
+    /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be; in
+    /// lanes that nobody reads it may be NaN.
     fn pairs(self, numbers: &[Lanes; 2]) -> Sums;
 
     /// Adds to each sum both products of its own [`packed`] pair with the pair that all share.
@@ -140,7 +141,8 @@ impl LookUp for Plain {}
 impl Products for Plain {
     #[inline(always)]
     fn pairs(self, [one, other]: &[Lanes; 2]) -> Sums {
-        debug_assert!(one.iter().chain(&**other).all(|number| number.abs() < 64.0));
+        let fits = |number: &f32| number.abs() < 64.0 || number.is_nan();
+        debug_assert!(one.iter().chain(&**other).all(fits), "{one:?}, {other:?}");
         Line(std::array::from_fn(|l| packed(sample(one[l]), sample(other[l]))))
     }
 
