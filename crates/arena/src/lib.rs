@@ -4,6 +4,7 @@ pub mod board;
 pub mod dataset;
 pub mod engine;
 pub mod grade;
+pub mod interrupt;
 pub mod record;
 pub mod report;
 pub mod run;

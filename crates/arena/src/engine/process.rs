@@ -1,8 +1,10 @@
 //! Starting, watching and killing a process with everything that it started.
 
-use std::fmt;
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
+use std::{fmt, io};
+
+use crate::interrupt;
 
 /// How a process ended, in words.
 pub(crate) struct Exit(pub ExitStatus);
@@ -31,22 +33,20 @@ pub(crate) fn exited_with(code: i32) -> String {
     format!("it exited with status {code} without an answer")
 }
 
-/// Puts the process to be started at the head of a process group of its own.
-pub(crate) fn own_group(command: &mut Command) {
+/// Starts a process at the head of a process group of its own, which ends with this process at the latest.
+pub(crate) fn start(command: &mut Command) -> io::Result<Child> {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
-    #[cfg(not(unix))]
-    let _ = command;
+    interrupt::start(command)
 }
 
 /// Whether the process has ended. It is not waited for, so that its clocks can still be read.
 #[cfg(unix)]
 pub(crate) fn has_exited(child: &mut Child) -> bool {
-    use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid};
-    let id = Id::Pid(nix::unistd::Pid::from_raw(child.id() as i32));
-    let flags = WaitPidFlag::WEXITED | WaitPidFlag::WNOWAIT | WaitPidFlag::WNOHANG;
+    use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
+    let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
     // An error means that it has been waited for already.
-    !matches!(waitid(id, flags), Ok(WaitStatus::StillAlive))
+    !matches!(waitid(WaitId::Pid(Pid::from_child(child)), options), Ok(None))
 }
 
 /// Whether the process has ended.
@@ -74,11 +74,19 @@ pub(crate) fn wait_for_exit(child: &mut Child, at_most: Duration) -> bool {
 pub(crate) fn kill_group(child: &mut Child) -> Option<ExitStatus> {
     // The group outlives its head, and its number cannot be given to another process before the
     // head has been waited for: so the group goes first.
+    kill_group_of(child.id());
+    let _ = child.kill();
+    interrupt::forget(child);
+    child.wait().ok()
+}
+
+/// Kills the group of a process that nobody has waited for.
+pub(crate) fn kill_group_of(head: u32) {
     #[cfg(unix)]
     {
         use nix::sys::signal::{Signal, killpg};
-        let _ = killpg(nix::unistd::Pid::from_raw(child.id() as i32), Signal::SIGKILL);
+        let _ = killpg(nix::unistd::Pid::from_raw(head as i32), Signal::SIGKILL);
     }
-    let _ = child.kill();
-    child.wait().ok()
+    #[cfg(not(unix))]
+    let _ = head;
 }

@@ -85,9 +85,9 @@ fn watch(
     usage: &mut Usage,
 ) -> Result<(), Status> {
     command.current_dir(scratch).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    process::own_group(&mut command);
     let started = Instant::now();
-    let mut child = command.spawn().map_err(|error| Status::not_started(&command, &error))?;
+    let mut child =
+        process::start(&mut command).map_err(|error| Status::not_started(&command, &error))?;
     let stdout_closed = child.stdout.take().map(|out| talk::listen_to_log(out, log.clone()));
     let stderr_closed = child.stderr.take().map(|out| talk::listen_to_log(out, log.clone()));
     let mut meter = Meter::from_birth(child.id(), started);

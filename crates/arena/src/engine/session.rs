@@ -47,9 +47,9 @@ impl Session {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        process::own_group(&mut command);
         let started = Instant::now();
-        let mut child = command.spawn().map_err(|error| Status::not_started(&command, &error))?;
+        let mut child =
+            process::start(&mut command).map_err(|error| Status::not_started(&command, &error))?;
         let log = Log::default();
         let (stdin, stdout, stderr) =
             (child.stdin.take(), child.stdout.take(), child.stderr.take());

@@ -11,6 +11,7 @@ use super::robust_vision;
 use super::session::Session;
 use super::status::Status;
 use super::usage::Usage;
+use crate::interrupt::Scratch;
 
 /// What came of one pair.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +37,7 @@ pub struct Worker {
     threads: usize,
     // Before the folder: fields are dropped in this order, and the process lives in the folder.
     session: Option<Session>,
-    scratch: tempfile::TempDir,
+    scratch: Scratch,
     given_up: Option<Status>,
     version: Option<String>,
     startup: Option<Usage>,
@@ -55,7 +56,7 @@ impl Worker {
         limits: Limits,
         threads: usize,
     ) -> io::Result<Self> {
-        let scratch = tempfile::Builder::new().prefix("hazcam-engine-").tempdir()?;
+        let scratch = Scratch::new("hazcam-engine-")?;
         Ok(Self {
             definition,
             programs,

@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use tempfile::TempDir;
-
 use crate::engine::protocol::Job;
 use crate::engine::{self, Session, Status, Usage};
+use crate::interrupt::Scratch;
 use crate::sandbox::{self, Excess, Policy, Watch};
 
 /// What an entrant may use, besides CPU time, which each test sets.
@@ -50,12 +49,12 @@ pub struct Confinement {
 /// ```
 #[derive(Debug)]
 pub(super) struct Workplace {
-    root: TempDir,
+    root: Scratch,
 }
 
 impl Workplace {
     pub fn new() -> io::Result<Self> {
-        let root = tempfile::Builder::new().prefix("hazcam-grade-").tempdir()?;
+        let root = Scratch::new("hazcam-grade-")?;
         let this = Self { root };
         for folder in [this.home(), this.hidden(), this.job()] {
             fs::create_dir(folder)?;
@@ -97,16 +96,6 @@ impl Workplace {
 
     fn pid_file(&self) -> PathBuf {
         self.root.path().join("pid")
-    }
-}
-
-impl Drop for Workplace {
-    /// Removes everything, however deep the entrant nested it.
-    fn drop(&mut self) {
-        if fs::remove_dir_all(self.root.path()).is_err() && cfg!(unix) {
-            // The library keeps a file open for each level and may run out of them; `rm` does not.
-            let _ = Command::new("rm").arg("-rf").arg("--").arg(self.root.path()).status();
-        }
     }
 }
 

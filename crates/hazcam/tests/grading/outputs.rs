@@ -1,7 +1,5 @@
 //! The forms of a report, on one submission that passes one test and fails the other.
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 
 use crate::classroom::{Classroom, HONEST};
@@ -75,6 +73,7 @@ fn the_status_says_when_points_are_missing_or_the_grader_failed() {
     assert!(stdout.contains("./python cannot be started"), "{stdout}");
     #[cfg(unix)]
     {
+        use std::path::Path;
         // The folder of the whole environment: of its program alone Python would not know the packages.
         let python = classroom.python.as_deref().unwrap();
         let environment = python.parent().and_then(Path::parent).unwrap();

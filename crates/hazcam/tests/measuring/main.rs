@@ -5,6 +5,8 @@ mod ablation;
 mod bench;
 mod demo;
 mod engine;
+#[cfg(target_os = "linux")]
+mod interrupted;
 mod speed;
 
 use std::path::Path;

@@ -10,6 +10,7 @@ use arena::grade::{
     Allowance, Confinement, Grader, MOST_SECONDS, Scene, SceneSource, Scenes, Scheme, Test,
     load_scenes,
 };
+use arena::interrupt::{self, Scratch};
 use arena::sandbox;
 use arena::submission::{Python, Runner};
 
@@ -75,7 +76,7 @@ pub struct Workshop {
     programs: Programs,
     python: Result<Python, String>,
     twice: bool,
-    folder: tempfile::TempDir,
+    folder: Scratch,
 }
 
 impl Workshop {
@@ -117,10 +118,8 @@ impl Workshop {
             // not look.
             programs.python = Some(python.executable.clone());
         }
-        let folder = tempfile::Builder::new()
-            .prefix("hazcam-grade-")
-            .tempdir()
-            .context("cannot create a working folder")?;
+        interrupt::clean_up_on_signals().context("cannot wait for signals")?;
+        let folder = Scratch::new("hazcam-grade-").context("cannot create a working folder")?;
         std::fs::create_dir(folder.path().join("submission"))?;
         let allowance = Allowance {
             start: Duration::from_secs_f64(args.start_limit),
