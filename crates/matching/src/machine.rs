@@ -22,12 +22,13 @@ impl Memory {
     /// What there is now.
     #[cfg(target_os = "linux")]
     pub fn now() -> Self {
-        use rustix::process::{Resource, getrlimit};
-        let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+        // From files, not by calls that a sandbox may forbid.
+        let [groups, limits] =
+            ["cgroup", "limits"].map(|file| std::fs::read_to_string(format!("/proc/self/{file}")));
         let whole = whole();
-        let limit = |resource| usize::try_from(getrlimit(resource).current?).ok();
-        let group = bound(Path::new("/sys/fs/cgroup"), &groups);
-        let bounds = [group, limit(Resource::As), limit(Resource::Data)];
+        let group = bound(Path::new("/sys/fs/cgroup"), &groups.unwrap_or_default());
+        let limits = limits.unwrap_or_default();
+        let bounds = [group, limit(&limits, "Max address space"), limit(&limits, "Max data size")];
         // Where nobody bounds it, a huge number may stand.
         let counts = |bound: &usize| whole.is_none_or(|whole| *bound < whole);
         Self { whole, bounds: bounds.map(|bound| bound.filter(counts)) }
@@ -37,6 +38,13 @@ impl Memory {
     pub fn now() -> Self {
         Self { whole: None, bounds: [None; BOUNDS] }
     }
+}
+
+/// What a line of `/proc/self/limits` says that a process may take now; nothing where that is unlimited.
+#[cfg_attr(not(target_os = "linux"), allow(dead_code))]
+fn limit(limits: &str, name: &str) -> Option<usize> {
+    let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
+    line.split_ascii_whitespace().next()?.parse().ok()
 }
 
 /// Bytes that this process has taken of each of the [`BOUNDS`], of that of a group without the files that it only
@@ -51,7 +59,9 @@ pub(crate) fn taken() -> [usize; BOUNDS] {
     }
     // All its pages, those that are there, and those of these that are shared; its code, nothing, and its data.
     let [all, there, shared, _, _, data] = pages;
-    [there.saturating_sub(shared), all, data].map(|pages| pages * page_size())
+    let taken = [there.saturating_sub(shared), all, data];
+    // Where a sandbox hides this file it also hides how large a page is.
+    if all == 0 { taken } else { taken.map(|pages| pages * page_size()) }
 }
 
 #[cfg(target_os = "linux")]
@@ -122,6 +132,16 @@ mod tests {
         for (now, before) in now.into_iter().zip(before) {
             assert!(now > before + (128 << 20), "{before}, {now} with {}", more.len());
         }
+    }
+
+    #[test]
+    fn limits_are_those_that_hold_now() {
+        let limits = "Limit                     Soft Limit           Hard Limit           Units     \n\
+                      Max data size             unlimited            unlimited            bytes     \n\
+                      Max address space         307200000            unlimited            bytes     \n";
+        assert_eq!(limit(limits, "Max address space"), Some(307_200_000));
+        assert_eq!(limit(limits, "Max data size"), None);
+        assert_eq!(limit("", "Max data size"), None);
     }
 
     #[test]

@@ -50,6 +50,9 @@ def disparity(answer, shape):
             "the function returned an array of shape {}, but it must have the shape of Il, "
             "{} (rows, columns), whatever the box".format(answer.shape, shape)
         )
+    # What is masked is no disparity, whatever stands there.
+    masked = np.ma.getmaskarray(answer)
+    answer = np.ma.getdata(answer)
     with np.errstate(all="ignore"):
         values = np.array(answer, dtype="<f4", order="C")
         # Too large for 32 bits is out of the range, whose nearer end it will be brought to.
@@ -57,5 +60,5 @@ def disparity(answer, shape):
         values[beyond] = np.copysign(np.finfo(np.float32).max, values[beyond])
     # Outside of the box anything goes, and inside of it neither is a disparity; the protocol knows
     # NaN only.
-    values[np.isinf(values)] = np.nan
+    values[np.isinf(values) | masked] = np.nan
     return values

@@ -5,7 +5,14 @@ import re
 
 from hazcam_runner import older
 
-READS = "a submission may read only its own folder, Python and the system's libraries"
+READS = (
+    "a submission may read only its own folder, Python and the system's libraries, and write only "
+    "to its own folder and to where tempfile writes"
+)
+NO_PROCESSES = (
+    "; it may not start programs or other processes (multiprocessing; its ThreadPool too, unlike "
+    "concurrent.futures.ThreadPoolExecutor), open connections or change permissions"
+)
 
 # Exception type, pattern in its text, hint. The first that fits is given.
 _ERRORS = (
@@ -60,6 +67,7 @@ _ERRORS = (
         r"can't start new thread",
         "a submission gets one processor and a few threads: do without",
     ),
+    ("URLError", r"", "a submission may not open connections: hand in what is needed"),
     (
         "RecursionError",
         r"",
@@ -86,9 +94,9 @@ _ERRORS = (
 )
 
 _OS_ERRORS = {
-    errno.EACCES: READS,
-    errno.EPERM: READS + "; it may not start programs, open connections or change permissions",
-    errno.ENOSYS: READS + "; it may not start programs, open connections or change permissions",
+    errno.EACCES: READS + NO_PROCESSES,
+    errno.EPERM: READS + NO_PROCESSES,
+    errno.ENOSYS: READS + NO_PROCESSES,
     errno.EFBIG: "the file is larger than a submission may write",
     errno.EMFILE: "too many files are open at a time: close them",
     errno.ENOENT: "files are looked for in the submission's folder: hand in what is needed there",

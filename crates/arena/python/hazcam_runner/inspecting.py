@@ -7,6 +7,7 @@ tests of that module need not be run. Whether the files exist is checked before 
 import ast
 import os
 import time
+import unicodedata
 
 from hazcam_runner import explaining, loading, older
 
@@ -176,4 +177,27 @@ def _identify(folder):
             "secret_id() returned {!r}, which begins or ends with a space: {} to {} printable "
             "characters are needed, with no space at an end".format(identifier, SHORTEST, LONGEST)
         )
+    if _looks_otherwise(identifier):
+        return None, (
+            "secret_id() returned {}, which would not look on the board as it is: no character may "
+            "be blank but plain spaces between words, a letter may have at most two accents, and "
+            "= + - @ cannot come first".format(ascii(identifier))
+        )
     return identifier, None
+
+
+# Letters and signs without a picture.
+_BLANK = "\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0"
+
+
+def _looks_otherwise(identifier):
+    """The rest of the rule of `is_secret_id`."""
+    marks = 2  # No accent comes first: there it would have no letter.
+    for character in identifier:
+        # Mn, Mc and Me are marks on the letter before.
+        marks = marks + 1 if unicodedata.category(character)[0] == "M" else 0
+        if marks > 2 or character in _BLANK or "\ufe00" <= character <= "\ufe0f":
+            return True
+        if "\U000e0000" <= character <= "\U000e01ef" or "\u180b" <= character <= "\u180f":
+            return True
+    return identifier[0] in "=+-@"

@@ -64,8 +64,8 @@ pub enum BoardError {
     },
     /// A name that cannot be one.
     #[error(
-        "`{0}` cannot be a secret ID: it must have 4 to 32 printable characters, and no space at an \
-         end"
+        "`{0}` cannot be a secret ID: it must have 4 to 32 printable characters, none of them blank but \
+         plain spaces between words, at most two accents on a letter, and none of = + - @ at the beginning"
     )]
     Name(String),
     /// The board ranks on another pair.

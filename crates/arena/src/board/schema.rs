@@ -8,7 +8,7 @@ pub(super) const APPLICATION: i32 = 0x6861_7a62;
 /// The version of the tables below.
 pub(super) const VERSION: i32 = 1;
 
-/// `folded` is the secret ID in lower case: names that differ in nothing else are one name.
+/// `folded` is what secret IDs that look alike share: they are one name.
 const TABLES: &str = "
 CREATE TABLE board (
     one INTEGER PRIMARY KEY CHECK (one = 1),

@@ -17,7 +17,7 @@ use super::error::BoardError;
 use super::holdout::Holdout;
 use super::picture::{Picture, SceneTruth};
 use super::schema::{self, Kind, VERSION};
-use crate::submission::is_secret_id;
+use crate::submission::{folded, is_secret_id};
 
 /// How long a writer waits for others.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -187,7 +187,7 @@ impl Board {
             )
             .map_err(failed)?;
         let pictures = statement
-            .query_map([secret_id.to_lowercase()], |row| {
+            .query_map([folded(secret_id)], |row| {
                 Ok(Picture { test: row.get(0)?, disparity: row.get(1)?, error: row.get(2)? })
             })
             .map_err(failed)?
@@ -214,7 +214,7 @@ impl Board {
         }
         let changed = self.connection.execute(
             "UPDATE entry SET secret_id = ?, folded = ? WHERE folded = ?",
-            params![to, to.to_lowercase(), from.to_lowercase()],
+            params![to, folded(to), folded(from)],
         );
         match changed {
             Ok(0) => Err(self.unknown(from)?),
@@ -230,7 +230,7 @@ impl Board {
     pub fn remove(&mut self, secret_id: &str) -> Result<(), BoardError> {
         let removed = self
             .connection
-            .execute("DELETE FROM entry WHERE folded = ?", [secret_id.to_lowercase()])
+            .execute("DELETE FROM entry WHERE folded = ?", [folded(secret_id)])
             .map_err(|source| self.failed(source))?;
         match removed {
             0 => Err(self.unknown(secret_id)?),
@@ -299,18 +299,18 @@ fn earlier(
     if !is_secret_id(id) {
         return Err(BoardError::Name(id.to_owned()));
     }
-    let folded = id.to_lowercase();
+    let key = folded(id);
     let ask = |query: &str, key: &str| -> Result<Option<String>, BoardError> {
         let answer = connection.query_row(query, [key], |row| row.get(0));
         answer.optional().map_err(|source| failure(path, source))
     };
-    let holder = ask("SELECT owner FROM entry WHERE folded = ?", &folded)?;
+    let holder = ask("SELECT owner FROM entry WHERE folded = ?", &key)?;
     if holder.is_some_and(|holder| holder != owner.name()) {
         return Err(BoardError::Taken(id.to_owned()));
     }
     let before = ask("SELECT secret_id FROM entry WHERE owner = ?", owner.name())?;
     match (owner, before) {
-        (Owner::Guessed(owner), Some(before)) if before.to_lowercase() != folded => {
+        (Owner::Guessed(owner), Some(before)) if folded(&before) != key => {
             Err(BoardError::Guessed { owner: owner.to_owned(), before, id: id.to_owned() })
         }
         (_, before) => Ok(before),
@@ -329,11 +329,11 @@ fn replace(
         transaction
             .query_row("SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')", [], |row| row.get(0))?;
     let content = serde_json::to_string(&entry).expect("an entry is plain data");
-    let folded = entry.secret_id.to_lowercase();
+    let key = folded(&entry.secret_id);
     transaction.execute("DELETE FROM entry WHERE owner = ?", [owner])?;
     transaction.execute(
         "INSERT INTO entry (owner, secret_id, folded, added, content) VALUES (?, ?, ?, ?, ?)",
-        params![owner, entry.secret_id, folded, entry.added, content],
+        params![owner, entry.secret_id, key, entry.added, content],
     )?;
     let number = transaction.last_insert_rowid();
     for Picture { test, disparity, error } in pictures {

@@ -19,8 +19,6 @@ use crate::submission::{Finding, Inspection, Runner};
 /// What is told while a grading goes on.
 #[derive(Debug)]
 pub enum Event<'a> {
-    /// The submission has been looked at.
-    Inspected(&'a [Finding]),
     /// A test begins.
     Begins(&'a Test),
     /// A test has ended.
@@ -46,16 +44,30 @@ pub struct Grader<'a> {
 }
 
 impl Grader<'_> {
-    /// Runs all tests for `entrant`, which is called `name` in the report.
+    /// Looks at a submission, without running its matchers; there is nothing to be seen of others.
+    pub fn inspect(&self, entrant: &Entrant) -> Inspection {
+        match entrant {
+            Entrant::Submission(submission) => {
+                let mut inspection = self.bench().inspect(submission);
+                let missing = submission.findings().iter().cloned();
+                inspection.findings.splice(0..0, missing);
+                inspection
+            }
+            Entrant::Refused(_) | Entrant::NotTaken(_) | Entrant::Engines(_) => {
+                Inspection::default()
+            }
+        }
+    }
+
+    /// Runs all tests for `entrant`, which is called `name` in the report, and was looked at.
     pub fn grade(
         &self,
         name: &str,
         entrant: &Entrant,
+        inspection: Inspection,
         observe: &mut dyn FnMut(Event<'_>),
     ) -> Report {
         let bench = self.bench();
-        let inspection = inspect(&bench, entrant);
-        observe(Event::Inspected(&inspection.findings));
         let before_seconds = calibration::measure();
         let mut tests = Vec::new();
         for test in &self.scheme.tests {
@@ -172,18 +184,6 @@ impl Grader<'_> {
             result.points = test.points;
         }
         result
-    }
-}
-
-fn inspect(bench: &Bench<'_>, entrant: &Entrant) -> Inspection {
-    match entrant {
-        Entrant::Submission(submission) => {
-            let mut inspection = bench.inspect(submission);
-            let missing = submission.findings().iter().cloned();
-            inspection.findings.splice(0..0, missing);
-            inspection
-        }
-        Entrant::Refused(_) | Entrant::NotTaken(_) | Entrant::Engines(_) => Inspection::default(),
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Summary {
     pub mean_p_bad: Option<f64>,
     /// Mean p_bad over the non-occluded pixels, of the scenes where they are known.
     pub mean_p_bad_noc: Option<f64>,
+    /// How many scenes that is taken over.
+    pub noc_scenes: usize,
     /// Largest p_bad, and its scene.
     pub worst_p_bad: Option<(f64, String)>,
     /// Geometric mean of p_bad over that of the reference engine, of the scenes that both answered
@@ -79,6 +81,7 @@ fn summary(
     let of_scenes = |find: &dyn Fn(&Record) -> Option<f64>| -> Vec<(f64, String)> {
         own.iter().filter_map(|record| Some((find(record)?, record.case.clone()))).collect()
     };
+    let noc = |record: &Record| record.value("non-occluded", "p_bad");
     let ratios = of_scenes(&|record| {
         let other = records
             .iter()
@@ -94,7 +97,8 @@ fn summary(
         failed: own.iter().filter(|record| record.status.message().is_some()).count(),
         mean_e_rms: mean_of(&|record| record.value("all", "E_RMS")),
         mean_p_bad: mean_of(&p_bad),
-        mean_p_bad_noc: mean_of(&|record| record.value("non-occluded", "p_bad")),
+        mean_p_bad_noc: mean_of(&noc),
+        noc_scenes: of_scenes(&noc).len(),
         worst_p_bad: largest(of_scenes(&p_bad)),
         ratio: mean(&logarithms).map(f64::exp),
         ratio_scenes: ratios.len(),
@@ -131,7 +135,13 @@ pub fn summary_table(summaries: &[Summary], reference: Option<&str>) -> Table {
             },
             Cell::number(summary.mean_e_rms, 2),
             Cell::number(summary.mean_p_bad, 4),
-            Cell::number(summary.mean_p_bad_noc, 4),
+            match summary.mean_p_bad_noc {
+                // Beside a mean over more scenes it would say the wrong thing.
+                Some(mean) if summary.noc_scenes < summary.scenes => {
+                    Cell::text(format!("{mean:.4} ({} of {})", summary.noc_scenes, summary.scenes))
+                }
+                mean => Cell::number(mean, 4),
+            },
         ];
         row.extend(with_scene(&summary.worst_p_bad, 4));
         if reference.is_some() {

@@ -14,6 +14,7 @@ mod error;
 mod finding;
 mod python;
 mod runner;
+mod secret_id;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,7 +22,9 @@ use std::process::Command;
 pub use error::SubmissionError;
 pub use finding::Finding;
 pub use python::Python;
-pub use runner::{Inspection, Runner, is_secret_id};
+pub use runner::{Inspection, Runner};
+pub(crate) use secret_id::folded;
+pub use secret_id::is_secret_id;
 
 /// One of the two parts of the course's assignment.
 #[derive(

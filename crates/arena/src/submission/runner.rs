@@ -8,6 +8,7 @@ use std::process::Command;
 use super::error::SubmissionError;
 use super::finding::Finding;
 use super::python::Python;
+use super::secret_id::is_secret_id;
 use crate::engine::Status;
 
 /// Its files, relative to the folder.
@@ -60,22 +61,6 @@ impl Inspection {
     }
 }
 
-/// Whether this can be a secret ID: 4 to 32 printable characters, no space at an end.
-/// `inspecting.py` refuses at least the same, and tells the author why.
-pub fn is_secret_id(text: &str) -> bool {
-    (4..=32).contains(&text.chars().count())
-        && !text.chars().any(|c| c.is_control() || is_invisible(c))
-        && text.trim() == text
-}
-
-/// Characters without a picture that change how others are shown, by which one name could look
-/// like another: zero-width ones, marks of direction, tags.
-fn is_invisible(c: char) -> bool {
-    matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}'
-        | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
-        | '\u{fff9}'..='\u{fffb}' | '\u{e0001}'..='\u{e007f}')
-}
-
 impl Runner {
     /// Writes the runner's files to `folder`.
     pub fn install(python: Python, folder: &Path) -> Result<Self, SubmissionError> {
@@ -115,24 +100,6 @@ impl Runner {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_secret_id_is_short_and_can_be_seen() {
-        for good in ["abcd", "Jaff Bozos", "Ünïcödé ✓", &"x".repeat(32)] {
-            assert!(is_secret_id(good), "{good:?}");
-        }
-        for bad in
-            ["abc", &"x".repeat(33), "a\nbcd", " abcd", "abcd ", "ab\u{202e}cd", "ab\u{200b}cd"]
-        {
-            assert!(!is_secret_id(bad), "{bad:?}");
-        }
-        // Each looks like `abcd`, so it could stand on a board for somebody else.
-        for unseen in
-            ['\u{ad}', '\u{61c}', '\u{180e}', '\u{200b}', '\u{202e}', '\u{feff}', '\u{e0041}']
-        {
-            assert!(!is_secret_id(&format!("ab{unseen}cd")), "{unseen:?}");
-        }
-    }
 
     #[test]
     fn what_the_runner_tells_is_checked() {

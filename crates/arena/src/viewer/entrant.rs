@@ -33,7 +33,7 @@ pub(super) fn section(
     let python =
         entry.report.python.as_ref().map_or(String::new(), |version| format!(", Python {version}"));
     format!(
-        "<section class=\"entrant\" id=\"{}\" aria-label=\"{name}\" tabindex=\"-1\">\n\
+        "<section class=\"entrant\" role=\"dialog\" aria-modal=\"true\" id=\"{}\" aria-label=\"{name}\" tabindex=\"-1\">\n\
          <div class=\"sheet\">\n<a class=\"close\" href=\"#board\">Close</a>\n<h2>{name}</h2>\n\
          <p>{place}, score {}, {} points with a bonus of {}.</p>\n\
          <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Test</th>\

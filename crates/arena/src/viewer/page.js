@@ -23,10 +23,11 @@ for (const table of document.querySelectorAll("table.sortable")) {
 }
 
 // An entrant's sheet is shown while the address names it. Escape closes it; the keyboard's focus
-// goes in and comes back.
+// goes in, cannot leave for the page that it hides, and comes back.
 let opener = null;
 function follow() {
   const sheet = document.querySelector("section.entrant:target");
+  document.querySelector("main").inert = sheet !== null;
   if (sheet) {
     opener = document.querySelector(`td a[href="#${sheet.id}"]`);
     sheet.focus();

@@ -144,9 +144,8 @@ function go(to) {
 
 // ---- the pixel that is pointed at
 
-function point(at) {
-  if (at === null) return;
-  pixel = at;
+// Names and values of what is known of a pixel.
+function known(at) {
   const [x, y] = [at % columns, Math.floor(at / columns)];
   const disparity = maps.disparities[at];
   const told = [["Pixel", `column ${x}, row ${y}`]];
@@ -161,19 +160,48 @@ function point(at) {
     }
   }
   if (maps.confidence) told.push(["Confidence", maps.confidence[at].toFixed(2)]);
-  if (maps.reasons) {
-    const { palette } = facts.colourings.find(({ of }) => of === "reasons");
-    told.push(["Reason", palette[maps.reasons[at]][1]]);
-  }
+  if (maps.reasons) told.push(["Reason", reasons()[maps.reasons[at]]]);
   if (maps.truth) {
     const truth = maps.truth[at];
     const off = disparity - truth;
     const error = Number.isNaN(off) ? "" : `, off by ${off.toFixed(3)} px`;
     told.push(["Truth", Number.isNaN(truth) ? "not known" : `${truth.toFixed(3)} px${error}`]);
   }
-  const tell = ([name, value]) => ["dt", "dd"].map((kind, at) =>
+  return told;
+}
+
+// The words of each reason.
+function reasons() {
+  return facts.colourings.find(({ of }) => of === "reasons").palette.map(([, words]) => words);
+}
+
+function tell(told) {
+  const make = ([name, value]) => ["dt", "dd"].map((kind, at) =>
     Object.assign(document.createElement(kind), { textContent: [name, value][at] }));
-  element("pixel").replaceChildren(...told.flatMap(tell));
+  element("pixel").replaceChildren(...told.flatMap(make));
+}
+
+// Keeps room for whatever may be told of a pixel: what stands below must not move while one points at it.
+function reserve() {
+  const list = element("pixel");
+  const shown = [...list.childNodes];
+  const isKnown = (disparity, at) =>
+    !(Number.isNaN(disparity) || Number.isNaN(space.z[at]) || Number.isNaN(maps.truth?.[at]));
+  const most = known(Math.max(0, maps.disparities.findIndex(isKnown)));
+  const longest = (words, other) => (other.length > words.length ? other : words);
+  const widest = { Truth: "100.000 px, off by -100.000 px" };
+  if (maps.reasons) widest.Reason = reasons().reduce(longest);
+  tell(most.map(([name, value]) => [name, [widest[name] ?? "", value].reduce(longest)]));
+  list.style.minHeight = "";
+  list.style.minHeight = `${list.offsetHeight}px`;
+  list.replaceChildren(...shown);
+}
+
+function point(at) {
+  if (at === null) return;
+  pixel = at;
+  const [x, y] = [at % columns, Math.floor(at / columns)];
+  tell(known(at));
   for (const mark of document.querySelectorAll(".flat .mark")) {
     mark.hidden = false;
     mark.style.left = `${(100 * (x + 0.5)) / columns}%`;
@@ -184,8 +212,8 @@ function point(at) {
 
 function markPoint() {
   const [mark, { clientWidth, clientHeight }] = [element("point-mark"), element("cloud")];
-  const known = cloud && pixel !== null && isShown(pixel);
-  const place = known ? eye.placeOf(space.pointOf(pixel), clientWidth, clientHeight) : null;
+  const isSeen = cloud && pixel !== null && isShown(pixel);
+  const place = isSeen ? eye.placeOf(space.pointOf(pixel), clientWidth, clientHeight) : null;
   mark.hidden = place === null;
   if (place) [mark.style.left, mark.style.top] = place.map((side) => `${side}px`);
 }
@@ -281,6 +309,8 @@ async function start() {
   element("least-label").hidden = !maps.confidence;
   element("left-figure").hidden = !maps.image;
   element("message").hidden = true;
+  reserve();
+  window.addEventListener("resize", reserve);
   for (const name of ["left", "map"]) followFlat(element(name));
   if (maps.image) {
     element("left").getContext("2d").putImageData(new ImageData(maps.image, columns), 0, 0);

@@ -329,6 +329,26 @@ fn what_is_pointed_at_is_told_and_marked_everywhere() {
 }
 
 #[test]
+fn pictures_stay_where_they_are_while_one_points_at_them() {
+    let folder = folder();
+    let Some(mut browser) = shown(&folder, CAMERA) else { return };
+    for width in [1280, 360] {
+        browser.screen(width, 800, "light");
+        let top = "document.querySelector('#map').getBoundingClientRect().top + scrollY";
+        let before = browser.eval(top);
+        // An occluded one, one without a value, a matched one.
+        for (x, y) in [(50, 24), HOLE, (20, 10)] {
+            browser.eval(&format!("point({y} * 64 + {x})"));
+            assert!(text(&mut browser, "#pixel").contains(&format!("column {x}, row {y}")));
+            assert_eq!(browser.eval(top), before, "{width} pixels wide, column {x}");
+        }
+        // What was told there must not be what holds the place.
+        browser.eval("element('pixel').replaceChildren()");
+    }
+    assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
+}
+
+#[test]
 fn mouse_and_keys_move_the_points() {
     let folder = folder();
     let Some(mut browser) = shown(&folder, CAMERA) else { return };

@@ -385,6 +385,7 @@ fn mistakes_are_named() {
             ["export", "no/such/board.html", "--quiet"],
             "no/such/board.html: the folder no/such does not exist; create it first\n",
         ),
+        (["export", "board.txt", "--quiet"], "board.txt is no name of a page for a browser"),
         (
             ["export", "./board.sqlite", "--quiet"],
             "FILE.html ./board.sqlite would replace an input: name another file\n",

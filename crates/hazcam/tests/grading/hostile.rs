@@ -363,6 +363,7 @@ fn wrong_answers_are_refused() {
         ("out = out.astype(complex)", "BAD", &["real numbers"], &[]),
         ("out = out.astype(object)", "BAD", &["real numbers"], &[]),
         ("out = np.ma.zeros(Il.shape)", "OK", &[], &[]),
+        ("out = np.ma.masked_less(np.zeros(Il.shape), 1)", "BAD", &["NaN"], &[]),
         ("class Mine(np.ndarray): pass\nout = out.view(Mine)", "OK", &[], &[]),
     ]);
 }

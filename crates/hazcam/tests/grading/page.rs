@@ -85,9 +85,14 @@ fn a_browser_sorts_opens_and_closes_without_complaint() {
                  i.decode().then(() => i.naturalWidth > 0, () => false))";
     let drawn = browser.eval(&format!("Promise.all({drawn})"));
     assert_eq!(drawn, serde_json::json!([true, true, true, true, true, true]));
+    // What it hides cannot get the keyboard's focus.
+    let focused =
+        "(b => (b.focus(), document.activeElement === b))(document.querySelector('th button'))";
+    assert_eq!(browser.eval(focused), false);
     browser.press("Escape");
     assert_eq!(browser.eval(open), "");
     assert_eq!(browser.eval("document.activeElement.textContent"), ranked[0]);
+    assert_eq!(browser.eval(focused), true);
     browser.click("tbody tr:nth-child(2) a");
     browser.click("section.entrant:target .close");
     assert_eq!(browser.eval(open), "");

@@ -2,6 +2,7 @@
 
 use super::super::{Event, Grader, Report, Test, TestResult};
 use super::points;
+use crate::submission::Finding;
 
 /// Before everything: what is graded, by what, how it is confined.
 pub fn header(grader: &Grader<'_>, entrant: &str) -> String {
@@ -13,11 +14,16 @@ pub fn header(grader: &Grader<'_>, entrant: &str) -> String {
     format!("{name} ({points} points): {entrant}, {confined}\n\n")
 }
 
+/// What was noticed before anything was run.
+pub fn findings(findings: &[Finding]) -> String {
+    let text: String = findings.iter().map(|finding| format!("{finding}\n")).collect();
+    let lines: String = text.lines().map(|line| format!("{}\n", printable(line))).collect();
+    if lines.is_empty() { lines } else { lines + "\n" }
+}
+
 /// What happened in a grading.
 pub fn event(event: &Event<'_>) -> String {
     match event {
-        Event::Inspected([]) => String::new(),
-        Event::Inspected(found) => format!("{}\n", findings(found)),
         Event::Begins(test) => begins(test),
         Event::Ended(result) => ended(result),
     }
@@ -87,12 +93,6 @@ pub fn summary(report: &Report) -> String {
     }
     text.push_str(&format!("{} of {} points\n", points(report.points), points(report.max_points)));
     text
-}
-
-/// What was noticed before anything was run.
-fn findings(report: &[crate::submission::Finding]) -> String {
-    let text: String = report.iter().map(|finding| format!("{finding}\n")).collect();
-    text.lines().map(|line| format!("{}\n", printable(line))).collect()
 }
 
 /// CPU time, wall time, peak memory.
@@ -178,12 +178,13 @@ mod tests {
         test.message = Some("ValueError: \x1b]0;mine\x07".into());
         let text = ended(&test);
         assert!(text.len() < 1000 && !text.contains('\x1b'), "{text}");
-        let finding = crate::submission::Finding {
+        let finding = Finding {
             file: "a.py".into(),
             line: None,
             text: "two\nlines\x1b[2J".into(),
             fatal: false,
         };
-        assert_eq!(findings(&[finding]), "a.py: two\nlines [2J\n");
+        assert_eq!(findings(&[finding]), "a.py: two\nlines [2J\n\n");
+        assert_eq!(findings(&[]), "");
     }
 }

@@ -21,8 +21,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context;
-use arena::dataset::Purpose;
+use anyhow::{Context, bail};
+use arena::dataset::{Case, Purpose};
 use arena::report::Format;
 
 use crate::arguments;
@@ -138,6 +138,11 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         false if args.ablation => args.scenes.cases(&[Purpose::Tuning])?,
         false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered])?,
     };
+    if args.reliability && !cases.iter().any(Case::has_truth) {
+        bail!(
+            "none of these scenes has truth, by which --reliability tells what is wrong: choose others"
+        );
+    }
     let contest = Contest {
         cases,
         engines: match args.ablation {

@@ -9,7 +9,7 @@ use arena::board::{
     tests_fingerprint,
 };
 use arena::grade::output::text;
-use arena::grade::{Outcome, Scene, Scheme};
+use arena::grade::{Entrant, Outcome, Scene, Scheme};
 use arena::record::Machine;
 use arena::submission::is_secret_id;
 
@@ -17,6 +17,9 @@ use crate::commands::grade::entrant::EntrantArguments;
 use crate::commands::grade::grading::{GradingArguments, Workshop};
 use crate::commands::grade::scenes;
 use crate::ui::Ui;
+
+const NAMELESS: &str = "not entered, because it has no usable secret ID: mend secret_id.py, or give one \
+                        with --secret-id";
 
 /// Grade an entrant and enter it, in the place of its owner's earlier entry
 #[derive(clap::Args)]
@@ -67,20 +70,29 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
-    // What is refused in the end is refused before the work, where the name is known by now.
+    // What is refused in the end is refused before the work.
     let tests = tests_fingerprint(workshop.tests());
     board.admit_tests(owner, (&workshop.scheme().name, &tests))?;
-    let named = args.secret_id.clone().or(args.entrant.matcher());
-    if let Some(id) = named.filter(|id| is_secret_id(id)) {
-        board.admit(owner, &id)?;
+    let given = args.secret_id.clone().or(args.entrant.matcher()).filter(|id| is_secret_id(id));
+    if let Some(id) = &given {
+        board.admit(owner, id)?;
     }
     let mut grader = workshop.grader()?;
     // The scheme's tests must not tell what the hold-out is either.
     grader.secrets = scene.secrets.clone();
     args.grading.warn_if_unconfined(ui);
     ui.print(&text::header(&grader, &name))?;
+    let inspection = grader.inspect(&entrant);
+    ui.print(&text::findings(&inspection.findings))?;
+    let secret_id = given.or(inspection.secret_id.clone());
+    match (&secret_id, &entrant) {
+        (Some(id), _) => board.admit(owner, id)?,
+        // What cannot be looked at has no findings: its results say why.
+        (None, Entrant::Submission(_)) if !inspection.findings.is_empty() => bail!(NAMELESS),
+        (None, _) => (),
+    }
     let mut shown = Ok(());
-    let report = grader.grade(&name, &entrant, &mut |event| {
+    let report = grader.grade(&name, &entrant, inspection, &mut |event| {
         if shown.is_ok() {
             shown = ui.print(&text::event(&event));
         }
@@ -93,11 +105,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if report.grader_failed() || result.outcome == Outcome::Xx {
         bail!("not entered, because the grader failed: mend what it says and add again");
     }
-    let named = args.secret_id.clone().or(report.secret_id.clone()).or(args.entrant.matcher());
-    let secret_id = named.filter(|id| is_secret_id(id)).context(
-        "not entered, because it has no usable secret ID: mend secret_id.py, or give one with \
-         --secret-id",
-    )?;
+    let secret_id = secret_id.context(NAMELESS)?;
     let scenes: Vec<(String, &Scene)> =
         workshop.tests().map(|(test, scene)| (test.name.clone(), scene)).collect();
     let mut pictures: Vec<Picture> = report

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use anyhow::bail;
 use arena::board::{Board, Picture, standings};
 use arena::viewer::{BoardPage, board_page};
 
@@ -33,6 +34,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let board = Board::open(path)?;
     let page = |text| [Output::text("FILE.html", &args.output, text)];
     outputs::check(&page(""), &[path])?;
+    if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("html")) {
+        bail!("{} is no name of a page for a browser: end it with .html", args.output.display());
+    }
     let holdout = board.holdout()?.0;
     let standings = standings(board.entries()?, &holdout.test);
     let pictures: Vec<Vec<Picture>> = standings

@@ -151,7 +151,13 @@ fn round_depths(span: Span) -> Vec<f64> {
     let powers = span.least.log10().floor() as i32..=span.most.log10().ceil() as i32;
     let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|times| round(times, power)));
     let within: Vec<f64> = all.filter(|d| (span.least..=span.most).contains(d)).collect();
-    if within.is_empty() { vec![span.median] } else { within }
+    if within.is_empty() { vec![in_three_digits(span.median)] } else { within }
+}
+
+/// A number above 0.
+fn in_three_digits(number: f64) -> f64 {
+    let power = number.log10().floor() as i32 - 2;
+    round((number / 10f64.powi(power)).round(), power)
 }
 
 /// A power of ten is exact, one below 1 is not: dividing rounds once.
@@ -187,6 +193,10 @@ mod tests {
     fn a_wall_between_round_depths_stands_at_its_median() {
         let depths: Vec<f64> = reach(vec![3.0, 4.0, 4.5]).at.iter().map(|at| at.depth_m).collect();
         assert_eq!(depths, [4.0]);
+        assert_eq!(
+            [5.771_158_2, 0.034_567, 98_765.4].map(in_three_digits),
+            [5.77, 0.0346, 98_800.0]
+        );
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub struct GradingArguments {
     #[arg(long, help_heading = "Tests")]
     twice: bool,
 
-    /// CPU seconds for each test, instead of the scheme's
+    /// CPU seconds for each test, instead of the scheme's; a board's hold-out keeps its own
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Limits")]
     cpu_limit: Option<f64>,
 

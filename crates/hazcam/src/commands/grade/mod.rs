@@ -105,7 +105,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         }
     };
     tell(&text::header(&grader, &name));
-    let report = grader.grade(&name, &entrant, &mut |event| tell(&text::event(&event)));
+    let inspection = grader.inspect(&entrant);
+    tell(&text::findings(&inspection.findings));
+    let report = grader.grade(&name, &entrant, inspection, &mut |event| tell(&text::event(&event)));
     tell(&text::summary(&report));
     if report.grader_failed() && matches!(args.format.as_str(), "autolab" | "gradescope") {
         // They would take the points for the entrant's, and nothing is known of the entrant.
