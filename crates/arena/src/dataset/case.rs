@@ -1,7 +1,7 @@
 //! One scene: what is known before its files are opened, and what is in them.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -95,6 +95,17 @@ pub struct Files {
     pub bounds: Option<PathBuf>,
     /// The calibration.
     pub calibration: Option<PathBuf>,
+}
+
+impl Files {
+    /// Every one of them.
+    pub fn all(&self) -> impl Iterator<Item = &Path> {
+        let Self { left, right, truth, truth_right, truth_noc, mask_nocc, bounds, calibration } =
+            self;
+        let truths = [truth, truth_right, truth_noc].into_iter().flatten().map(|truth| &truth.path);
+        let others = [mask_nocc, bounds, calibration].into_iter().flatten();
+        [left, right].into_iter().chain(truths).chain(others).map(PathBuf::as_path)
+    }
 }
 
 /// What makes a rendered scene when it is needed.
@@ -226,5 +237,30 @@ impl CaseData {
         let non_occluded = occluded.map(|&hidden| !hidden);
         self.regions.push(CaseRegion { name: "non-occluded", mask: non_occluded, truth: None });
         self.regions.push(CaseRegion { name: "occluded", mask: occluded.clone(), truth: None });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_of_a_scene_is_named() {
+        let truth = |name: &str| Some(TruthFile::new(name.into(), Encoding::Pfm));
+        let files = Files {
+            left: "left".into(),
+            right: "right".into(),
+            truth: truth("truth"),
+            truth_right: truth("truth-right"),
+            truth_noc: truth("truth-noc"),
+            mask_nocc: Some("mask".into()),
+            bounds: Some("box".into()),
+            calibration: Some("calibration".into()),
+        };
+        let names: Vec<_> = files.all().map(|path| path.display().to_string()).collect();
+        let expected =
+            ["left", "right", "truth", "truth-right", "truth-noc", "mask", "box", "calibration"];
+        assert_eq!(names, expected);
+        assert_eq!(Files::default().all().count(), 2);
     }
 }

@@ -50,9 +50,7 @@ impl Output {
                 let of_file = file.parent().and_then(|folder| folder.canonicalize().ok());
                 of_file.is_some() && of_file == own
             };
-            let truth = files.truth.as_ref().map(|truth| truth.path.as_path());
-            let named = [Some(files.left.as_path()), Some(&files.right), truth];
-            if named.into_iter().flatten().any(lies_there) {
+            if files.all().any(lies_there) {
                 bail!(
                     "--out {}: results of {} would lie among its own files; name another folder",
                     folder.display(),
