@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{Arg, CommandFactory, Parser, Subcommand};
 
 use crate::commands;
 use crate::ui::Ui;
@@ -91,13 +91,19 @@ commands! {
 
 /// The whole command line, with the commands grouped in its help.
 pub fn command() -> clap::Command {
-    let command = Cli::command();
+    let command = Cli::command().mut_subcommands(|command| command.mut_args(unset_where_empty));
     let template = format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}\x1b[1;4mOptions:\x1b[0m\n\
          {{options}}{{after-help}}",
         grouped(&command)
     );
     command.help_template(template)
+}
+
+/// An empty variable says nothing; to clap it would be an option that was given nothing.
+fn unset_where_empty(argument: Arg) -> Arg {
+    let value = argument.get_env().and_then(std::env::var_os);
+    if value.is_some_and(|value| value.is_empty()) { argument.env(None::<&str>) } else { argument }
 }
 
 /// The commands with their descriptions under the headings of [`Command::GROUPS`].

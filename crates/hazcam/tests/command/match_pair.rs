@@ -330,19 +330,22 @@ fn a_profile_names_the_stages_with_their_work_and_adds_up() {
 #[test]
 fn options_come_from_the_environment_and_flags_win() {
     let folder = Folder::with_pair(24, 16);
-    let threads = |arguments: &[&str]| {
+    let threads = |variable: &str, arguments: &[&str]| {
         let status = folder
             .command()
             .args(["match", "left.png", "right.png", "-o", "d.pfm", "-d", "4"])
             .args(arguments)
-            .env("HAZCAM_THREADS", "3")
+            .env("HAZCAM_THREADS", variable)
             .stderr(Stdio::null())
             .status();
         assert!(status.unwrap().success());
         sidecar(&folder, "d.pfm.json")["options"]["threads"].as_u64()
     };
-    assert_eq!(threads(&[]), Some(3));
-    assert_eq!(threads(&["--threads", "2"]), Some(2));
+    assert_eq!(threads("3", &[]), Some(3));
+    assert_eq!(threads("3", &["--threads", "2"]), Some(2));
+    // An empty one says nothing.
+    assert_eq!(threads("", &["--threads", "2"]), Some(2));
+    assert!(threads("", &[]) > Some(0));
 }
 
 #[test]
