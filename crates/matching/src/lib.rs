@@ -31,6 +31,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What a frame takes is reckoned in bytes, which may be more than 32 bits count: it would be admitted by mistake.
+#[cfg(not(target_pointer_width = "64"))]
+compile_error!("hazcam needs a processor and a system of 64 bits");
+
 mod aggregation;
 mod allowance;
 #[cfg(test)]
