@@ -22,7 +22,7 @@ pub struct ReadDisparity {
 /// Reads a disparity map.
 ///
 /// With [`Encoding::Auto`] the content decides. Integers do not say their scale: 16-bit grey is
-/// taken for KITTI's (/ 256) and 8-bit grey for whole disparities (/ 1), and the note says so,
+/// taken for KITTI's (/ 256), 8-bit grey and arrays of int16 for whole disparities (/ 1), and the note says so,
 /// because a map read at the wrong scale looks right and scores as almost all wrong. Any other
 /// encoding is a demand: a file of another kind is an error.
 pub fn read_disparity(
@@ -38,7 +38,13 @@ pub fn read_disparity(
         }
         Container::Npy => {
             demand(&source, container, encoding, Encoding::Npy)?;
-            Ok(floats(from_npy(&source)?, Encoding::Npy))
+            let (values, dtype) = from_npy(&source)?;
+            let note = (encoding == Encoding::Auto && dtype == npy::Dtype::Int16).then(|| {
+                "whole numbers of 16 bits do not say their scale: pixels were assumed (npy); OpenCV's \
+                 matchers give sixteenths, which must be divided by 16 before"
+                    .to_owned()
+            });
+            Ok(ReadDisparity { note, ..floats(values, Encoding::Npy) })
         }
         Container::Tiff => match tiff::decode(&source)? {
             tiff::Content::Floats(values) => {
@@ -75,12 +81,13 @@ fn demand(
 }
 
 /// Any array of numbers with two dimensions; the values that are not finite become NaN.
-fn from_npy(source: &Source) -> Result<Plane<f32>, FormatError> {
+fn from_npy(source: &Source) -> Result<(Plane<f32>, npy::Dtype), FormatError> {
     let npy::Array { shape, samples } = npy::decode(source)?;
+    let dtype = samples.dtype();
     let needed = "an array of numbers with shape (rows, columns) is needed";
-    if shape.len() != 2 || samples.dtype() == npy::Dtype::Bool {
+    if shape.len() != 2 || dtype == npy::Dtype::Bool {
         let shape = npy::shape_text(&shape);
-        let found = format!("a .npy array of {} with shape {shape}", samples.dtype());
+        let found = format!("a .npy array of {dtype} with shape {shape}");
         return Err(source.wrong_kind(found, needed));
     }
     let (columns, rows) = npy::plane_size(source, &shape)?;
@@ -92,7 +99,8 @@ fn from_npy(source: &Source) -> Result<Plane<f32>, FormatError> {
     }
     let keep = |v: f64| if v.is_finite() { v as f32 } else { f32::NAN };
     let values = values.into_iter().map(keep).collect();
-    Ok(Plane::new(columns, rows, values).expect("the length has been checked"))
+    let plane = Plane::new(columns, rows, values).expect("the length has been checked");
+    Ok((plane, dtype))
 }
 
 /// Grey integers with a scale, 0 = none.

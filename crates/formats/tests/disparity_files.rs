@@ -166,6 +166,16 @@ fn arrays_of_any_number_are_disparities_but_only_in_two_dimensions() {
     npy::write(&path, &Plane::new(2, 1, vec![f64::INFINITY, 0.5]).unwrap()).unwrap();
     let read = read_disparity(&path, Encoding::Auto).unwrap();
     assert_eq!(bits(&read.values), bits(&row(&[NAN, 0.5])));
+    // What OpenCV's matchers give, saved as it is.
+    let header =
+        format!("{:<117}\n", "{'descr': '<i2', 'fortran_order': False, 'shape': (1, 2), }");
+    let samples = [16i16, 48].map(i16::to_le_bytes);
+    let array = [b"\x93NUMPY\x01\0\x76\0", header.as_bytes(), samples.as_flattened()];
+    fs::write(&path, array.concat()).unwrap();
+    let read = read_disparity(&path, Encoding::Auto).unwrap();
+    assert_eq!(read.values, row(&[16.0, 48.0]));
+    assert!(read.note.unwrap().contains("OpenCV's matchers give sixteenths"));
+    assert_eq!(read_disparity(&path, Encoding::Npy).unwrap().note, None);
     npy::write(&path, &Plane::new(2, 1, vec![1.0, 1e300]).unwrap()).unwrap();
     let error = read_disparity(&path, Encoding::Auto).unwrap_err().to_string();
     assert!(error.contains("column 1, row 0") && error.contains("float32"), "{error}");
