@@ -43,7 +43,10 @@ pub(super) fn read(
     scene: &Scene,
     max_disparity: u32,
 ) -> Result<(Plane<f32>, Scores), Failure> {
-    let bad = |message| Failure::new(Outcome::Bad, message);
+    // Its author does not know the folder.
+    let folder = job.disparity.parent().map(|folder| format!("{}/", folder.display()));
+    let folder = folder.unwrap_or_default();
+    let bad = |message: String| Failure::new(Outcome::Bad, message.replace(&folder, ""));
     check_sole_name(job).map_err(bad)?;
     let answer = exchange::read_answer(job).map_err(bad)?;
     score(answer.disparity, scene, max_disparity)
@@ -186,5 +189,10 @@ mod tests {
         assert!(message.contains("link to another file"), "{message}");
         std::fs::remove_file(&other).unwrap();
         assert!(read(&job, &scene, 8).is_ok());
+        // What is wrong with it is told without the folder that the grader chose.
+        std::fs::write(&job.disparity, b"").unwrap();
+        let message = read(&job, &scene, 8).unwrap_err().message;
+        let name = job.disparity.file_name().unwrap().to_str().unwrap();
+        assert!(message.starts_with(&format!("{name} is empty")), "{message}");
     }
 }
