@@ -1,8 +1,8 @@
 //! What must not outlive this process when a signal ends it: engines, which are in process groups of their own and
 //! never hear of it, and the folders in which they work.
 //!
-//! A process that is killed outright can do nothing: then engines end with their job, as their input does, and
-//! entrants that are graded with the sandbox's help.
+//! A process that is killed outright can do nothing. Then an engine ends when it asks for its next job, since nobody
+//! writes any more; one that hangs does not, unless it is in the sandbox, which sees to that.
 
 use std::io;
 use std::path::{Path, PathBuf};
