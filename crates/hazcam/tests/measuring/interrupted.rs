@@ -87,10 +87,9 @@ fn entries(folder: &Path) -> usize {
 
 #[test]
 fn a_signal_ends_the_engines_too_and_leaves_no_folders() {
-    for (signal, number) in [("-TERM", 15), ("-INT", 2)] {
-        let (ended_by, left, folders) = interrupted("", signal);
-        assert_eq!((ended_by, left, folders), (Some(number), Vec::new(), 0), "{signal}");
-    }
+    // Not another: tests that run in the background may have been told to ignore it.
+    let (ended_by, left, folders) = interrupted("", "-TERM");
+    assert_eq!((ended_by, left, folders), (Some(15), Vec::new(), 0));
 }
 
 #[test]
