@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use matching::{Holes, Ingredient, Options};
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyBool, PyString};
 use raster::{BoundingBox, DisparityRange};
 
 use crate::errors::{ArgumentError, of_matching, wrong_type, wrong_value};
@@ -31,6 +31,9 @@ pub fn type_name(value: &Bound<'_, PyAny>) -> String {
 
 /// A whole number: an `int`, or one of numpy's.
 fn whole(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<i64> {
+    if value.is_instance_of::<PyBool>() {
+        return Err(wrong_type(name, shown(value), format!("a whole number is needed: {allowed}")));
+    }
     value.extract().map_err(|error: PyErr| {
         if error.is_instance_of::<PyOverflowError>(value.py()) {
             return wrong_value(name, shown(value), allowed);
@@ -120,7 +123,11 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<Option<BoundingBox>> {
     let mut sides = Vec::new();
     // One more than are needed: an iterator may go on for ever.
     for side in value.try_iter().map_err(|_| wrong())?.take(5) {
-        sides.push(side?.extract::<i64>().map_err(|error| {
+        let side = side?;
+        if side.is_instance_of::<PyBool>() {
+            return Err(wrong());
+        }
+        sides.push(side.extract::<i64>().map_err(|error| {
             let too_large = error.is_instance_of::<PyOverflowError>(value.py());
             let allowed = "its sides must be columns and rows of the image";
             if too_large { wrong_value("box", shown(value), allowed) } else { wrong() }

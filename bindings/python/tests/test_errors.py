@@ -357,6 +357,10 @@ TYPES = [
     (lambda: fast(box=(1, 2, 3)), f"`box` is (1, 2, 3) (tuple), but {BOX}"),
     (lambda: fast(box=(0, 0, 1.5, 2)), f"`box` is (0, 0, 1.5, 2) (tuple), but {BOX}"),
     (
+        lambda: fast(box=(True, False, True, True)),
+        f"`box` is (True, False, True, True) (tuple), but {BOX}",
+    ),
+    (
         lambda: fast(box=itertools.repeat(1)),
         f"`box` is repeat(1) (repeat), but {BOX}",
     ),

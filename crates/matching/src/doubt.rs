@@ -34,7 +34,13 @@ pub enum Doubt {
 
 /// Doubts about a matcher's answer in a box, all of which was answered, for disparities of a range. Where
 /// hardly anything matched, it is not asked where that lies.
+///
+/// # Panics
+///
+/// If the box leaves the map.
 pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) -> Vec<Doubt> {
+    let (columns, rows) = map.values.size();
+    bounds.check_within(columns, rows).expect("the box lies in the map");
     let answered = bounds.columns() * bounds.rows();
     let matched = matched(map, bounds);
     let share = matched.len() as f64 / answered as f64;

@@ -63,6 +63,7 @@ pub use error::MatchError;
 pub use ingredient::Ingredient;
 pub use kernels::level::Level;
 pub use limits::Limits;
+pub use machine::memory_bound;
 pub use matcher::Matcher;
 pub use options::{Holes, Options, Preset};
 pub use prepare::alignment::VerticalDisparity;

@@ -40,6 +40,12 @@ impl Memory {
     }
 }
 
+/// The most bytes that this process may take, by a control group (a container, a service) or `ulimit`; `None` where
+/// that is no less than the machine has, or where the system does not tell (other than Linux).
+pub fn memory_bound() -> Option<usize> {
+    Memory::now().bounds.into_iter().flatten().min()
+}
+
 /// What a line of `/proc/self/limits` says that a process may take now; nothing where that is unlimited.
 #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
 fn limit(limits: &str, name: &str) -> Option<usize> {

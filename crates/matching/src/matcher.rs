@@ -108,7 +108,7 @@ impl Matcher {
         let pool = threads::start(options.threads).map_err(|e| MatchError::Option {
             field: "threads",
             value: options.threads.to_string(),
-            allowed: format!("the system could not start them ({e}); ask for fewer"),
+            allowed: format!("the system could not start them ({e}); ask for fewer, or raise what the process may take (ulimit)"),
         })?;
         let level = Level::chosen()?;
         let pipeline = presets::pipeline(&options, level);
@@ -150,13 +150,19 @@ impl Matcher {
     pub fn limits(&self) -> Limits {
         let largest = self.profile().iter().map(Stage::bytes_per_run).max().unwrap_or(0);
         let level = self.level;
-        self.pool.install(|| Limits::measure(level, largest))
+        threads::run_in(&self.pool, || Limits::measure(level, largest))
     }
 
     /// The disparity of every pixel in `bounds` (the whole image without one), in pixels: `d` says that
     /// left `(x, y)` shows what right `(x - d, y)` shows, so it is the larger the nearer that is. Outside
     /// the box, and where holes are kept, it is NaN, and the reason says why. Colour images are matched as
     /// grey.
+    ///
+    /// A box is answered from what it shows, and is not cut out of the answer to the whole image: near its
+    /// edges, and where fills and speckles reach beyond them, the two differ.
+    ///
+    /// The matcher's own threads do the work while the calling one waits. For frames from several threads give
+    /// each a matcher (it is `Send`), or put one behind a lock; that may be a thread of rayon, too.
     ///
     /// # Errors
     ///
@@ -194,8 +200,8 @@ impl Matcher {
             return Err(MatchError::TooWide { columns, limit: MOST_COLUMNS });
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
-        let Self { admission, pipeline, map, profile, .. } = self;
-        self.pool.install(|| {
+        let Self { admission, pipeline, map, profile, pool, .. } = self;
+        threads::run_in(pool, || {
             let allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
             profile.begin();
             map.reshape(columns, rows, bounds);

@@ -19,6 +19,16 @@ pub(crate) fn start(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> 
     }
 }
 
+/// What a closure gives in a pool. A thread of another pool would take up other work of its own while it waits,
+/// work that may need what it holds: then a thread that belongs to none waits for it instead.
+pub(crate) fn run_in<T: Send>(pool: &ThreadPool, work: impl FnOnce() -> T + Send) -> T {
+    if rayon::current_thread_index().is_none() {
+        return pool.install(work);
+    }
+    let done = std::thread::scope(|scope| scope.spawn(|| pool.install(work)).join());
+    done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
 /// The processors that the process may use, where that can be told.
 #[cfg(target_os = "linux")]
 fn processors() -> Vec<usize> {
@@ -49,6 +59,27 @@ fn keep_to(_: usize) {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_worker_of_another_pool_takes_up_nothing_else_while_it_waits() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let (pool, callers) = (start(1).unwrap(), start(1).unwrap());
+        let is_waiting = AtomicBool::new(false);
+        let (done, was_waiting) = callers.install(|| {
+            let wait = || {
+                is_waiting.store(true, Ordering::SeqCst);
+                let done = run_in(&pool, || {
+                    // Long enough for the caller to look for other work.
+                    std::thread::sleep(std::time::Duration::from_millis(50));
+                    7
+                });
+                is_waiting.store(false, Ordering::SeqCst);
+                done
+            };
+            rayon::join(wait, || is_waiting.load(Ordering::SeqCst))
+        });
+        assert_eq!((done, was_waiting), (7, false));
+    }
 
     #[test]
     fn a_thread_for_every_processor_has_one_of_its_own() {

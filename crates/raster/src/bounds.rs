@@ -95,12 +95,12 @@ impl BoundingBox {
         }
     }
 
-    /// Width in pixels, at least 1.
+    /// Width in pixels, at least 1 in a box that [`BoundingBox::new`] made.
     pub fn columns(&self) -> usize {
         self.x1 - self.x0 + 1
     }
 
-    /// Height in pixels, at least 1.
+    /// Height in pixels, at least 1 in a box that [`BoundingBox::new`] made.
     pub fn rows(&self) -> usize {
         self.y1 - self.y0 + 1
     }

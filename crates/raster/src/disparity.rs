@@ -73,6 +73,9 @@ impl Reason {
 
 /// A disparity per pixel of the left image, with its reason and confidence. All planes have the
 /// size of the left image.
+///
+/// Where a pixel has no value it is NaN, which equals nothing: a map with such pixels is not `==` to itself.
+/// Compare the bits of its values ([`f32::to_bits`]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DisparityMap {
     /// Disparity in pixels, `x_right = x_left - d`; NaN exactly where the reason has no value.

@@ -85,7 +85,8 @@ class Matcher:
             uint16 want ``left << np.uint16(4)``.
         box
             ``(x0, y0, x1, y1)``: the first column and row and the last column and row to answer,
-            all part of the box. The whole image unless given.
+            all part of the box. The whole image unless given. A box is answered from what it
+            shows, not cut out of the answer to the whole image: near its edges the two differ.
 
         Raises
         ------

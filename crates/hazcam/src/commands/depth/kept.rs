@@ -28,6 +28,21 @@ pub struct Counts {
     pub too_far: usize,
 }
 
+impl Counts {
+    /// Says that most disparities are of nothing in front of the cameras, if so, and what that usually comes from.
+    pub fn doubt(&self) -> Option<String> {
+        let all = self.kept + self.behind + self.unsure + self.too_far;
+        (2 * self.behind > all).then(|| {
+            format!(
+                "{} of {all} disparities are of nothing in front of the cameras, so depths of the others are not to \
+                 be trusted: give the pair's --doffs (a pair that was cropped, turned inwards or exchanged has \
+                 one), or exchange left and right",
+                self.behind
+            )
+        })
+    }
+}
+
 /// The depth of each pixel in metres, NaN where there is none.
 pub fn depths(
     disparities: &Plane<f32>,
@@ -77,6 +92,10 @@ mod tests {
         assert!(depth.samples()[1..].iter().all(|depth| depth.is_nan()));
         let expected = Counts { kept: 1, without_disparity: 1, behind: 2, unsure: 1, too_far: 1 };
         assert_eq!(counts, expected);
+        assert_eq!(counts.doubt(), None);
+        assert!(
+            Counts { behind: 4, ..expected }.doubt().unwrap().starts_with("4 of 7 disparities")
+        );
     }
 
     #[test]

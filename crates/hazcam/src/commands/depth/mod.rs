@@ -122,6 +122,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         &depths,
         points.as_deref().unwrap_or_default(),
     ))?;
+    if let Some(doubt) = counts.doubt() {
+        ui.warn(doubt);
+    }
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);
     match args.json {
         true => ui.print(&(serde_json::to_string_pretty(&reach)? + "\n"))?,

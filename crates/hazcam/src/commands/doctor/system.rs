@@ -37,7 +37,15 @@ fn memory() -> Finding {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     match (kibibytes(&text, "MemTotal"), kibibytes(&text, "MemAvailable")) {
         (Some(total), Some(free)) => {
-            Finding::ok("memory", format!("{:.1} GiB, {:.1} GiB free", gib(total), gib(free)))
+            let mut found = format!("{:.1} GiB, {:.1} GiB free", gib(total), gib(free));
+            // Less for this process.
+            if let Some(bytes) = matching::memory_bound() {
+                let bound = gib(bytes as u64 >> 10);
+                found += &format!(
+                    "; this process may take {bound:.2} GiB (its container, service or ulimit)"
+                );
+            }
+            Finding::ok("memory", found)
         }
         _ => Finding::absent("memory", "this system does not say how much there is"),
     }
