@@ -29,20 +29,32 @@ pub fn type_name(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "of an unknown type".into(), |name| name.to_string())
 }
 
-/// A whole number: an `int`, or one of numpy's.
-fn whole(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<i64> {
+/// Why a value is no whole number of 64 bits.
+enum NoInteger {
+    TooLarge,
+    WrongType,
+}
+
+/// An `int`, or one of numpy's; truth values are none.
+fn integer(value: &Bound<'_, PyAny>) -> Result<i64, NoInteger> {
     if value.is_instance_of::<PyBool>() {
-        return Err(wrong_type(name, shown(value), format!("a whole number is needed: {allowed}")));
+        return Err(NoInteger::WrongType);
     }
     value.extract().map_err(|error: PyErr| {
-        if error.is_instance_of::<PyOverflowError>(value.py()) {
-            return wrong_value(name, shown(value), allowed);
+        let is_too_large = error.is_instance_of::<PyOverflowError>(value.py());
+        if is_too_large { NoInteger::TooLarge } else { NoInteger::WrongType }
+    })
+}
+
+/// A whole number.
+fn whole(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<i64> {
+    integer(value).map_err(|error| match error {
+        NoInteger::TooLarge => wrong_value(name, shown(value), allowed),
+        NoInteger::WrongType => {
+            let is_number = value.extract::<f64>().is_ok() && !value.is_instance_of::<PyBool>();
+            let remedy = if is_number { format!("; int({name}) is one") } else { String::new() };
+            wrong_type(name, shown(value), format!("a whole number is needed: {allowed}{remedy}"))
         }
-        let remedy = match value.extract::<f64>() {
-            Ok(_) => format!("; int({name}) is one"),
-            Err(_) => String::new(),
-        };
-        wrong_type(name, shown(value), format!("a whole number is needed: {allowed}{remedy}"))
     })
 }
 
@@ -123,14 +135,11 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<Option<BoundingBox>> {
     let mut sides = Vec::new();
     // One more than are needed: an iterator may go on for ever.
     for side in value.try_iter().map_err(|_| wrong())?.take(5) {
-        let side = side?;
-        if side.is_instance_of::<PyBool>() {
-            return Err(wrong());
-        }
-        sides.push(side.extract::<i64>().map_err(|error| {
-            let too_large = error.is_instance_of::<PyOverflowError>(value.py());
-            let allowed = "its sides must be columns and rows of the image";
-            if too_large { wrong_value("box", shown(value), allowed) } else { wrong() }
+        sides.push(integer(&side?).map_err(|error| match error {
+            NoInteger::TooLarge => {
+                wrong_value("box", shown(value), "its sides must be columns and rows of the image")
+            }
+            NoInteger::WrongType => wrong(),
         })?);
     }
     let &[x0, y0, x1, y1] = &sides[..] else { return Err(wrong()) };

@@ -70,6 +70,11 @@ pub fn with_samples<T: Element, U>(
     take(copy.as_slice()?)
 }
 
+/// All samples as our own.
+pub fn to_vec<T: Element + Copy>(name: &str, array: &Bound<'_, PyArrayDyn<T>>) -> PyResult<Vec<T>> {
+    with_samples(name, array, |samples| owned(name, samples, |sample| sample))
+}
+
 /// `samples` as our own, each changed on the way, if there is memory for them.
 pub fn owned<T: Copy, U>(
     name: &str,

@@ -8,7 +8,7 @@ use numpy::{
 use pyo3::prelude::*;
 use raster::{Image, Plane};
 
-use crate::arrays::{array, described, from_plane, kind, owned, with_samples};
+use crate::arrays::{array, described, from_plane, kind, owned, to_vec, with_samples};
 use crate::errors::{of_matching, wrong_type, wrong_value};
 
 const NEEDED: &str = "an image is a numpy array of uint8 or uint16";
@@ -49,7 +49,7 @@ fn grey<T: Element + Copy>(
     columns: usize,
     rows: usize,
 ) -> PyResult<Plane<T>> {
-    let samples = with_samples(name, samples, |samples| owned(name, samples, |sample| sample))?;
+    let samples = to_vec(name, samples)?;
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
 }
 

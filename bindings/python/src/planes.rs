@@ -4,7 +4,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use raster::Plane;
 
-use crate::arrays::{array, copied, described, kind, owned, size, with_samples};
+use crate::arrays::{array, copied, described, kind, owned, size, to_vec, with_samples};
 use crate::errors::{wrong_type, wrong_value};
 
 const MAP: &str = "a map of disparities is a numpy array of numbers with shape (rows, columns), in pixels, \
@@ -20,9 +20,7 @@ pub fn map(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<f32>> {
     }
     let (rows, columns) = size(name, array, MAP)?;
     let samples = match array.cast::<PyArrayDyn<f32>>() {
-        Ok(samples) => {
-            with_samples(name, samples, |samples| owned(name, samples, |sample| sample))?
-        }
+        Ok(samples) => to_vec(name, samples)?,
         Err(_) => {
             let wide = copied(name, array, "astype", "float64")?;
             with_samples(name, wide.cast::<PyArrayDyn<f64>>()?, |samples| {
@@ -52,6 +50,6 @@ pub fn mask(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Plane<bool>> {
         return Err(wrong_type(name, described(array), remedy));
     };
     let (rows, columns) = size(name, array, MASK)?;
-    let samples = with_samples(name, samples, |samples| owned(name, samples, |sample| sample))?;
+    let samples = to_vec(name, samples)?;
     Ok(Plane::new(columns, rows, samples).expect("the shape has been looked at"))
 }

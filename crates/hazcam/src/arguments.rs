@@ -53,7 +53,7 @@ pub fn share(text: &str) -> Result<f32, String> {
 /// What the option names, else what the variable does; an empty variable names nothing.
 ///
 /// Not clap's `env`, to which a variable that is set is an option that was given: it would be at odds
-/// with options that stand alone, and an error where it is empty.
+/// with options that stand alone.
 pub fn or_variable(option: Option<&Path>, variable: &str) -> Option<PathBuf> {
     let set = || std::env::var_os(variable).filter(|value| !value.is_empty());
     option.map(Path::to_owned).or_else(|| set().map(PathBuf::from))

@@ -5,13 +5,11 @@ import re
 
 from hazcam_runner import older
 
-READS = (
+CONFINED = (
     "a submission may read only its own folder, Python and the system's libraries, and write only "
-    "to its own folder and to where tempfile writes"
-)
-NO_PROCESSES = (
-    "; it may not start programs or other processes (multiprocessing; its ThreadPool too, unlike "
-    "concurrent.futures.ThreadPoolExecutor), open connections or change permissions"
+    "to its own folder and to where tempfile writes; it may not start programs or other processes "
+    "(multiprocessing; its ThreadPool too, unlike concurrent.futures.ThreadPoolExecutor), open "
+    "connections or change permissions"
 )
 
 # Exception type, pattern in its text, hint. The first that fits is given.
@@ -94,9 +92,9 @@ _ERRORS = (
 )
 
 _OS_ERRORS = {
-    errno.EACCES: READS + NO_PROCESSES,
-    errno.EPERM: READS + NO_PROCESSES,
-    errno.ENOSYS: READS + NO_PROCESSES,
+    errno.EACCES: CONFINED,
+    errno.EPERM: CONFINED,
+    errno.ENOSYS: CONFINED,
     errno.EFBIG: "the file is larger than a submission may write",
     errno.EMFILE: "too many files are open at a time: close them",
     errno.ENOENT: "files are looked for in the submission's folder: hand in what is needed there",
