@@ -1,6 +1,7 @@
 """Python threads, and processes."""
 
 import copy
+import multiprocessing
 import os
 import pickle
 import signal
@@ -104,5 +105,18 @@ def test_answers_travel_between_processes():
     again = pickle.loads(pickle.dumps(found))
     assert np.array_equal(again.values, found.values)
     assert np.array_equal(copy.deepcopy(found).reasons, found.reasons)
-    with pytest.raises(TypeError, match="Matcher"):
-        pickle.dumps(hazcam.Matcher())
+
+
+def test_a_matcher_travels_as_what_it_is_made_of():
+    matcher = hazcam.Matcher(
+        "balanced", 16, min_disparity=-2, holes="keep", without=("median",)
+    )
+    pair = dots()
+    expected = matcher.compute(*pair)
+    for again in (pickle.loads(pickle.dumps(matcher)), copy.copy(matcher), copy.deepcopy(matcher)):
+        assert again is not matcher
+        assert repr(again) == repr(matcher)
+        assert np.array_equal(again.compute(*pair).reasons, expected.reasons)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        (there,) = pool.starmap(matcher.compute, [pair])
+    assert np.array_equal(there.reasons, expected.reasons)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -50,9 +51,12 @@ class Matcher:
     It keeps its memory from frame to frame. Several Python threads may share one: frames wait for
     each other, and other Python threads run while it matches. A process that was forked off needs
     one of its own. The Rust crate ``hazcam-matching`` does the work.
+
+    One can be pickled and copied: what comes out is another matcher with the same options, so
+    ``multiprocessing`` may be given one to send to its processes.
     """
 
-    __slots__ = ("_arguments", "_matcher")
+    __slots__ = ("_matcher", "_options", "_searched")
 
     def __init__(
         self,
@@ -68,10 +72,14 @@ class Matcher:
         self._matcher = _hazcam.Matcher(
             preset, max_disparity, min_disparity, threads, memory, holes, without
         )
-        self._arguments = (
-            f"{preset!r}, {max_disparity}, min_disparity={min_disparity}, threads={threads}, "
-            f"memory={memory}, holes={holes!r}, without={without!r}"
-        )
+        self._searched = (preset, max_disparity)
+        self._options: dict[str, Any] = {
+            "min_disparity": min_disparity,
+            "threads": threads,
+            "memory": memory,
+            "holes": holes,
+            "without": without,
+        }
 
     def compute(self, left: Image, right: Image, box: ArrayLike | None = None) -> DisparityMap:
         """The disparity of every pixel of the left image.
@@ -112,7 +120,13 @@ class Matcher:
         return DisparityMap(values, reasons, confidence, mended)
 
     def __repr__(self) -> str:
-        return f"hazcam.Matcher({self._arguments})"
+        preset, max_disparity = self._searched
+        options = ", ".join(f"{name}={value!r}" for name, value in self._options.items())
+        return f"hazcam.Matcher({preset!r}, {max_disparity}, {options})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What it is made of: threads and memory stay with their process.
+        return partial(type(self), **self._options), self._searched
 
 
 def match(
