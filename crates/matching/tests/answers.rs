@@ -133,6 +133,38 @@ fn images_that_show_nothing_or_not_the_same_are_answered_completely() {
 }
 
 #[test]
+fn what_shows_nothing_is_not_matched_but_filled_from_around_it() {
+    let (columns, rows) = (220, 80);
+    let bounds = BoundingBox::whole(columns, rows);
+    let blank = |grey: u8| Image::Grey8(Plane::filled(columns, rows, grey));
+    // A wall with texture, but for a part of it.
+    let half_blank = |x: i64, y: i64| {
+        if (70..150).contains(&x) && (20..60).contains(&y) { 128 } else { texture(x, y) }
+    };
+    let pair = [0, 12].map(|shift| {
+        Image::Grey8(Plane::from_fn(columns, rows, |x, y| half_blank(x as i64 + shift, y as i64)))
+    });
+    for (preset, least) in Preset::ALL.into_iter().flat_map(|p| [(p, 0), (p, -5), (p, 4)]) {
+        let range = (least, 40);
+        for grey in [0, 128, 255] {
+            let map = compute(options(preset, range), &[blank(grey), blank(grey)], None);
+            let matched = map.reasons.samples().iter().filter(|r| **r == Reason::Matched).count();
+            assert!(
+                matched <= 2 * rows,
+                "{preset}, from {least}: {matched} pixels of {grey} match"
+            );
+        }
+        let map = compute(options(preset, range), &pair, None);
+        check_complete(preset, &map, bounds, range);
+        for y in 25..55 {
+            for (x, found) in map.values.row(y)[50..200].iter().enumerate() {
+                assert!((found - 12.0).abs() < 1.0, "{preset}, from {least}: {found} at {x}, {y}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_left_strip_is_said_to_lie_outside_the_right_image() {
     for preset in Preset::ALL {
         let map = compute(options(preset, (0, 15)), &wall(90, 40, 12), None);

@@ -7,6 +7,8 @@
 //! * **Confirmed** is a winner `(x, k)` when the right pixel it points at has its own least sum at
 //!   `k - 1`, `k` or `k + 1` (Fua 1993); of several least ones the first counts, as in the left view. The
 //!   right view's sums stand along diagonals of the left one's, so it costs no second matching.
+//! * **Where nothing tells disparities apart**, on a blank wall, all sums are the same, and both views take the first
+//!   of them. So a winner that is no less than the next disparity must not be the first one in either view.
 //! * **The fraction** is that of a V through the sums `a, c, b` before, at and after the winner,
 //!   the shape that absolute differences have around their minimum: `(a - b) / (2 (max(a, b) - c))`
 //!   (Shimizu & Okutomi 2001); 0 at the ends of the range.
@@ -95,9 +97,12 @@ fn evaluate(
     let (mut is_found, mut is_inner) = ([0u16; BLOCK], [0u16; BLOCK]);
     let (is_found, is_inner) = (&mut is_found[..n], &mut is_inner[..n]);
     for i in 0..n {
-        let found = (u16::from(least[i]) < OUT.into()) & (index[i].abs_diff(opposite[i]) <= 1);
+        let inner = index[i] < last;
+        let blank = (index[i].min(opposite[i]) == 0) & inner & (least[i] == after[i]);
+        let confirmed = index[i].abs_diff(opposite[i]) <= 1;
+        let found = (u16::from(least[i]) < OUT.into()) & confirmed & !blank;
         is_found[i] = u16::from(found).wrapping_neg();
-        is_inner[i] = u16::from(index[i] < last).wrapping_neg();
+        is_inner[i] = u16::from(inner).wrapping_neg();
     }
     let mut nearest_steps = [0u16; BLOCK];
     let nearest_steps = &mut nearest_steps[..n];
@@ -176,6 +181,10 @@ mod tests {
             // The ends of the range: no fraction, nothing to be sure of.
             ([0, 4, OUT, 6, 0], (-1.0, 0.0)),
             ([4, 4, 6, 5, 4], (3.0, 0.0)),
+            // As on a blank wall, and beside it, where the first disparity does not fit; a winner in between.
+            ([0, 4, OUT, 4, 0], (f32::NAN, 0.0)),
+            ([1, 4, 9, 4, 0], (f32::NAN, 0.0)),
+            ([1, 4, 9, 4, 1], (0.5, 0.5555556)),
             // A flat valley.
             ([3, 5, 5, 5, 3], (2.0, 0.0)),
         ];
