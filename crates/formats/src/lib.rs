@@ -46,7 +46,7 @@
 //! | `mask0nocc.png` | [`read_mask`] | 255 = seen by both cameras |
 //! | pictures of `hazcam match --reasons` | [`read_reasons`] | why each pixel has its value or none |
 //! | `*_bounds.npy` | [`read_bounding_box`] | `[[x0, x1], [y0, y1]]`, inclusive |
-//! | `calib.txt` of Middlebury, ETH3D, KITTI | [`read_calibration`] | a [`camera::StereoCamera`] |
+//! | calibrations of Middlebury, ETH3D, KITTI, OpenCV | [`read_calibration`], [`write_calibration`] | a [`camera::StereoCamera`] |
 //! | any of them | [`inspect`] | what is in it, in numbers |
 //! | `.npy` arrays between processes | [`npy`] | numbers of one stated type and shape |
 //!
@@ -101,7 +101,7 @@ mod view;
 pub use all_or_none::{Writer, try_to_write, write_all_or_none};
 pub use atomic::{destination, write_atomically};
 pub use bounding_box::{parse_bounding_box, read_bounding_box};
-pub use calibration::{Calibration, CalibrationLayout, read_calibration};
+pub use calibration::{Calibration, CalibrationLayout, read_calibration, write_calibration};
 pub use depth::write_depth;
 pub use disparity::{ReadDisparity, read_disparity, write_disparity};
 pub use encoding::Encoding;

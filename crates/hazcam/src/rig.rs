@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use camera::StereoCamera;
+use formats::CalibrationLayout;
 
 use crate::ui::Ui;
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
-    /// Calibration of Middlebury, ETH3D or KITTI (`hazcam info FILE` shows what is in it)
+    /// Calibration of Middlebury, ETH3D or KITTI, or P1 and P2 of OpenCV in YAML (`hazcam info FILE` shows what is
+    /// in it)
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
 
@@ -77,16 +79,25 @@ fn calibrated(
     ui: &Ui,
 ) -> anyhow::Result<StereoCamera> {
     let calibration = formats::read_calibration(path)?;
-    if let (Some(width), Some(height)) = (calibration.width, calibration.height)
-        && (width, height) != size
-    {
+    let stated = (calibration.width.unwrap_or(size.0), calibration.height.unwrap_or(size.1));
+    if stated != size {
         bail!(
-            "{} is for images of {width} x {height}, but the map is {} x {}: of a map at another \
-             scale give --focal, --baseline, --doffs and --principal at that scale",
+            "{} is for images of {} x {}, but the map is {} x {}: of a map at another scale give --focal, --baseline, \
+             --doffs and --principal at that scale",
             path.display(),
+            stated.0,
+            stated.1,
             size.0,
             size.1
         );
+    }
+    if calibration.layout == CalibrationLayout::OpenCv {
+        ui.note(format_args!(
+            "{}: the baseline of {} is taken as metres; OpenCV has it in the unit of the board's squares: if that was \
+             another one, give --focal and --baseline",
+            path.display(),
+            calibration.camera.baseline_m
+        ));
     }
     Ok(match image {
         // Its folder tells, which a name from there does not have.
@@ -95,7 +106,7 @@ fn calibrated(
             calibration.camera_of(place.as_deref().unwrap_or(image))
         }
         None => {
-            if calibration.colour_camera.is_some() {
+            if calibration.colour_camera.is_some_and(|colour| colour != calibration.camera) {
                 ui.note(format_args!(
                     "{}: cameras 0 and 1, the grey ones, were assumed; name the left picture with \
                      --image if it is a coloured one",

@@ -62,7 +62,7 @@ class StereoCamera:
 def read_calibration(
     path: str | PathLike[str], left: str | PathLike[str] | None = None
 ) -> StereoCamera:
-    """The cameras of a calibration file of Middlebury, ETH3D or KITTI.
+    """The cameras of a calibration file of Middlebury, ETH3D, KITTI or OpenCV.
 
     KITTI's files hold a grey and a colour pair, whose baselines differ: by the folder of the
     ``left`` image (``image_2`` is colour) the right one is taken. A calibration is that of images

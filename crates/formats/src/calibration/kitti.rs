@@ -12,6 +12,9 @@ use camera::StereoCamera;
 const NAMES: [[&str; 4]; 2] =
     [["P0", "P1", "P2", "P3"], ["P_rect_00", "P_rect_01", "P_rect_02", "P_rect_03"]];
 
+/// Where files of raw recordings have the size of rectified images.
+const SIZES: [&str; 4] = ["S_rect_00", "S_rect_01", "S_rect_02", "S_rect_03"];
+
 /// Whether any of the matrices is there.
 pub(super) fn is_kitti(entries: &Entries<'_>) -> bool {
     NAMES.iter().flatten().any(|name| entries.has(name))
@@ -29,12 +32,13 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         );
         entries.fail(None, problem)
     })?;
+    let size = size(entries)?;
     Ok(Calibration {
         layout: CalibrationLayout::Kitti,
         camera,
         colour_camera: colour,
-        width: None,
-        height: None,
+        width: size.map(|size| size[0]),
+        height: size.map(|size| size[1]),
         ndisp: None,
         isint: None,
         vmin: None,
@@ -63,8 +67,32 @@ fn pair(
         return Err(entries.fail(None, problem));
     }
     entries.square(left_name, [focal, left[5]])?;
+    entries.rectified([left_name, right_name], [left[6], right[6]])?;
     let baseline = (left[3] - right[3]) / focal;
     entries.camera(focal, baseline, right[2] - left[2], left[2], left[6]).map(Some)
+}
+
+/// The size of all images after rectification, which files of raw recordings state.
+fn size(entries: &Entries<'_>) -> Result<Option<[usize; 2]>, FormatError> {
+    let mut stated: Option<[usize; 2]> = None;
+    for name in SIZES.into_iter().filter(|name| entries.has(name)) {
+        let numbers: [f64; 2] = entries.numbers(name)?;
+        let is_size = |number: &f64| *number >= 1.0 && *number < 1e9 && number.fract() == 0.0;
+        let size = numbers.map(|number| number as usize);
+        if !numbers.iter().all(is_size) || stated.is_some_and(|stated| stated != size) {
+            let [width, height] = numbers;
+            let problem = match stated {
+                Some([columns, rows]) if numbers.iter().all(is_size) => format!(
+                    "`{name}` is {width} x {height}, another camera's {columns} x {rows}: rectified images \
+                     have one size"
+                ),
+                _ => format!("`{name}` is {width} x {height}, but must be columns and rows"),
+            };
+            return Err(entries.fail(None, problem));
+        }
+        stated = Some(size);
+    }
+    Ok(stated)
 }
 
 #[cfg(test)]
@@ -101,6 +129,24 @@ mod tests {
         let text = format!("calib_time: 09-Jan-2012 13:57:47\nP2{colour}").replace('P', "P_rect_0");
         let calibration = read(&text).unwrap();
         assert_eq!(Some(calibration.camera), calibration.colour_camera);
+    }
+
+    #[test]
+    fn raw_recordings_say_how_large_images_are() {
+        let sized = |sizes: &str| read(&format!("{sizes}{SAMPLE}"));
+        let calibration =
+            sized("S_00: 1392 512\nS_rect_00: 1.242000e+03 3.750000e+02\nS_rect_02: 1242 375\n");
+        let calibration = calibration.unwrap();
+        assert_eq!((calibration.width, calibration.height), (Some(1242), Some(375)));
+        for (sizes, word) in [
+            ("S_rect_00: 1242 375\nS_rect_01: 1241 375\n", "have one size"),
+            ("S_rect_00: 1242.5 375\n", "must be columns and rows"),
+            ("S_rect_00: -1 375\n", "must be columns and rows"),
+            ("S_rect_00: 1242\n", "must be 2 numbers"),
+        ] {
+            let error = sized(sizes).unwrap_err();
+            assert!(error.contains(word), "{error}");
+        }
     }
 
     #[test]

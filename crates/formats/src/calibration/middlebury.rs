@@ -1,7 +1,13 @@
 //! Middlebury's `calib.txt`, also ETH3D's, and the lunar set's own keys.
 
+use camera::StereoCamera;
+use raster::DisparityRange;
+
 use super::{Calibration, CalibrationLayout, Entries};
 use crate::FormatError;
+
+/// `doffs` may differ from the difference of principal points by so many pixels: files are rounded.
+const ROUNDED: f64 = 0.1;
 
 /// `cam0`, `cam1`, `doffs`, `baseline` in millimetres, and what helps with display.
 pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
@@ -15,10 +21,23 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         return Err(entries.fail(None, problem));
     }
     entries.square("cam0", [cam0[0], cam0[4]])?;
+    entries.rectified(["cam0", "cam1"], [cam0[5], cam1[5]])?;
+    if let Some(skew) = [cam0[1], cam1[1]].into_iter().find(|&skew| skew != 0.0) {
+        let problem = format!("a camera has a skew of {skew}: a rectified pair has none");
+        return Err(entries.fail(None, problem));
+    }
+    let apart = cam1[2] - cam0[2];
     let doffs = match entries.has("doffs") {
         true => entries.number("doffs")?,
-        false => cam1[2] - cam0[2],
+        false => apart,
     };
+    if (doffs - apart).abs() > ROUNDED {
+        let problem = format!(
+            "`doffs` is {doffs}, but the principal points of cam0 and cam1 are {apart} columns apart: \
+             one of them is wrong"
+        );
+        return Err(entries.fail(None, problem));
+    }
     let baseline_m = entries.number("baseline")? / 1000.0;
     let isint: Option<u8> = entries.optional("isint", "0 or 1")?;
     Ok(Calibration {
@@ -55,11 +74,25 @@ pub(super) fn parse_lunar(entries: &Entries<'_>) -> Result<Calibration, FormatEr
     })
 }
 
+/// What [`parse`] reads.
+pub(super) fn text(
+    camera: &StereoCamera,
+    (width, height): (usize, usize),
+    range: DisparityRange,
+) -> String {
+    let StereoCamera { focal_px: f, baseline_m, doffs, cx, cy } = camera;
+    let (right, baseline, ndisp) = (cx + doffs, 1000.0 * baseline_m, i64::from(range.max()) + 1);
+    format!(
+        "cam0=[{f} 0 {cx}; 0 {f} {cy}; 0 0 1]\ncam1=[{f} 0 {right}; 0 {f} {cy}; 0 0 1]\n\
+         doffs={doffs}\nbaseline={baseline}\nwidth={width}\nheight={height}\nndisp={}\n",
+        ndisp.max(1)
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::read;
     use super::*;
-    use camera::StereoCamera;
 
     const SAMPLE: &str = "cam0=[ 1038.018 0 322.037 ; 0 1038.018 243.393 ; 0 0 1 ] \n\
         cam1=[1038.018 0 375.308; 0 1038.018 243.393; 0 0 1]\r\n doffs= 53.271 \n\
@@ -88,6 +121,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_written_is_read() {
+        let camera = StereoCamera::new(712.25, 0.1193, 3.7, 310.5, 170.25).unwrap();
+        let range = DisparityRange::new(-4, 63).unwrap();
+        let calibration = read(&text(&camera, (640, 350), range)).unwrap();
+        let same = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        same(calibration.camera.focal_px, camera.focal_px);
+        same(calibration.camera.baseline_m, camera.baseline_m);
+        same(calibration.camera.doffs, camera.doffs);
+        same(calibration.camera.cx, camera.cx);
+        same(calibration.camera.cy, camera.cy);
+        assert_eq!((calibration.width, calibration.height), (Some(640), Some(350)));
+        assert_eq!(calibration.ndisp, Some(64));
+    }
+
+    #[test]
     fn without_doffs_the_principal_points_tell() {
         let text = SAMPLE.replace(" doffs= 53.271 \n", "");
         assert!((read(&text).unwrap().camera.doffs - 53.271).abs() < 1e-9);
@@ -103,6 +151,13 @@ mod tests {
             ("ndisp= 73", "ndisp= 7.3", "near byte"),
             ("width= 718", "height= 718", "twice"),
             ("cam1=[1038.018", "cam1=[1038.5", "focal lengths"),
+            (
+                "375.308; 0 1038.018 243.393",
+                "375.308; 0 1038.018 253.393",
+                "the rows 243.393 and 253.393",
+            ),
+            ("cam1=[1038.018 0 ", "cam1=[1038.018 0.3 ", "a skew of 0.3"),
+            ("doffs= 53.271", "doffs= 10", "`doffs` is 10"),
         ] {
             let error = read(&SAMPLE.replace(from, to)).unwrap_err();
             assert!(error.contains(word), "{error}");

@@ -1,20 +1,24 @@
-//! Calibration files of rectified pairs: Middlebury and ETH3D, KITTI, and the rendered lunar set.
+//! Calibration files of rectified pairs: Middlebury and ETH3D, KITTI, OpenCV, and the rendered lunar set.
 //!
 //! | layout | camera | baseline | right camera |
 //! | --- | --- | --- | --- |
 //! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
 //! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
+//! | OpenCV's YAML | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
 
 mod kitti;
 mod middlebury;
+mod opencv;
 
 use std::ffi::OsStr;
 use std::path::Path;
 
 use camera::StereoCamera;
+use raster::DisparityRange;
 
 use crate::FormatError;
+use crate::atomic::write_atomically;
 use crate::source::Source;
 
 /// What a calibration file says.
@@ -50,6 +54,9 @@ pub enum CalibrationLayout {
     Middlebury,
     /// KITTI 2012, 2015 and raw.
     Kitti,
+    /// `P1` and `P2` in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the squares
+    /// that the cameras were calibrated with. It is taken as metres.
+    OpenCv,
     /// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
     Lunar,
 }
@@ -75,6 +82,9 @@ impl Calibration {
 /// By so much of themselves focal lengths are rounded at the most.
 const ROUNDED: f64 = 1e-3;
 
+/// Principal points of a rectified pair may differ by so many rows: files are rounded.
+const SAME_ROW: f64 = 0.5;
+
 /// Calibration files are short; what is longer is something else.
 const LONGEST: usize = 1 << 20;
 
@@ -86,14 +96,32 @@ pub fn read_calibration(path: impl AsRef<Path>) -> Result<Calibration, FormatErr
     parse(&Source::open(path.as_ref())?)
 }
 
+/// Writes the calibration of images of this size (columns, rows) in Middlebury's layout, whole or not at all. Of the
+/// range only the largest disparity can be told.
+///
+/// Errors: [`FormatError::Write`].
+pub fn write_calibration(
+    path: impl AsRef<Path>,
+    camera: &StereoCamera,
+    size: (usize, usize),
+    range: DisparityRange,
+) -> Result<(), FormatError> {
+    let text = middlebury::text(camera, size, range);
+    write_atomically(path, |writer| writer.write_all(text.as_bytes()))
+}
+
 /// The calibration in a file's text.
 pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
-                  P_rect_02: and P_rect_03: (KITTI), or f= and baseline_m=";
+                  P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, or f= and \
+                  baseline_m=";
     let text = match std::str::from_utf8(&source.bytes) {
         Ok(text) if text.len() <= LONGEST => text,
         _ => return Err(source.wrong_kind("no short text", needed)),
     };
+    if opencv::is_opencv(text) {
+        return opencv::parse(source, text);
+    }
     let entries = Entries::of(source, text);
     if entries.has("cam0") {
         middlebury::parse(&entries)
@@ -190,6 +218,22 @@ impl<'a> Entries<'a> {
         }
         let problem = format!(
             "{name} has the focal lengths {across} across and {down} down: only square pixels are known here"
+        );
+        Err(self.fail(None, problem))
+    }
+
+    /// Errors where things do not stand in the same rows of both images.
+    fn rectified(
+        &self,
+        [left, right]: [&str; 2],
+        [of_left, of_right]: [f64; 2],
+    ) -> Result<(), FormatError> {
+        if (of_left - of_right).abs() <= SAME_ROW {
+            return Ok(());
+        }
+        let problem = format!(
+            "{left} and {right} have their principal points in the rows {of_left} and {of_right}: a \
+             rectified pair has them in one"
         );
         Err(self.fail(None, problem))
     }

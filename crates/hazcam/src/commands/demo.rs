@@ -14,7 +14,8 @@ use crate::ui::Ui;
 
 /// Render scenes with exact truth, run every matcher on them, and show how well they do
 ///
-/// For each scene the folder holds the left image, the true disparities (turbo), and for each
+/// For each scene the folder holds the pair with its truth, mask and calibration as Middlebury lays them out
+/// (im0.png, im1.png, disp0GT.pfm, mask0nocc.png, calib.txt), the true disparities as a picture (turbo), and for each
 /// matcher its disparities, its errors in KITTI's colours (blue is right, red is wrong, dark is
 /// seen by one camera only), a page of its points in space for a browser, and a JSON record.
 #[derive(clap::Args)]
@@ -22,7 +23,10 @@ use crate::ui::Ui;
 Examples:
   hazcam demo
   hazcam demo --matcher fast,best --out /tmp/demo
-  hazcam demo --engine 'opencv-*' --scenes '*mars*'")]
+  hazcam demo --engine 'opencv-*' --scenes '*mars*'
+  hazcam bench --data hazcam-demo --matcher best
+
+The folder is a data set by itself, which bench, match, score, depth and view read.")]
 pub struct Args {
     /// Folder for pictures, pages and records; it is made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = "hazcam-demo")]
@@ -42,7 +46,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let cases = scenes::matching(rendered::demo(), |case| &case.id, args.scenes.as_deref())?;
     let engines = args.engines.definitions(&[], None)?;
     let mut output = Output::in_folder(args.out, true)?;
-    (output.view, output.pages) = (View::Regions, true);
+    (output.view, output.pages, output.pairs) = (View::Regions, true, true);
     let jobs = NonZeroUsize::MIN;
     Contest { cases, engines, reference: None, limits: None, jobs }.run(&args.engines, output, ui)
 }

@@ -78,11 +78,43 @@ fn a_calibration_of_another_size_is_refused() {
                        baseline=200\nwidth=5\nheight=1\nndisp=100\n";
     std::fs::write(folder.path("calib.txt"), calibration).unwrap();
     folder.run("depth d.pfm --calibration calib.txt -o z.pfm").done();
-    std::fs::write(folder.path("calib.txt"), calibration.replace("width=5", "width=10")).unwrap();
-    let outcome = folder.run("depth d.pfm --calibration calib.txt -o other.pfm");
-    assert_eq!(outcome.status, 2);
-    assert!(outcome.stderr.contains("calib.txt is for images of 10 x 1, but the map is 5 x 1"));
-    assert!(!folder.names().contains(&"other.pfm".into()));
+    let of_kitti = "S_rect_00: 10 1\nP_rect_00: 700 0 2 0 0 700 0 0 0 0 1 0\n\
+                    P_rect_01: 700 0 2 -378 0 700 0 0 0 0 1 0\n";
+    let wide = calibration.replace("width=5", "width=10");
+    for text in [&wide, &wide.replace("height=1\n", ""), of_kitti] {
+        std::fs::write(folder.path("calib.txt"), text).unwrap();
+        let outcome = folder.run("depth d.pfm --calibration calib.txt -o other.pfm");
+        assert_eq!(outcome.status, 2);
+        assert!(outcome.stderr.contains("calib.txt is for images of 10 x 1, but the map is 5 x 1"));
+        assert!(!folder.names().contains(&"other.pfm".into()));
+    }
+}
+
+#[test]
+fn what_a_calibration_leaves_open_is_told() {
+    let folder = folder();
+    let colour = "P2: 700 0 2 42 0 700 0 0 0 0 1 0\nP3: 700 0 2 -329 0 700 0 0 0 0 1 0\n";
+    let matrix = |shift: f64| {
+        format!(
+            "!!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 700., 0., 2., {shift},\n       \
+             0., 700., 0., 0., 0., 0., 1., 0. ]\n"
+        )
+    };
+    let opencv = format!("%YAML:1.0\n---\nP1: {}P2: {}", matrix(0.0), matrix(-84.0));
+    let grey = colour.replace("P2", "P0").replace("P3", "P1");
+    for (text, told) in [
+        (
+            format!("{grey}{}", colour.replace("-329", "-330")),
+            "cameras 0 and 1, the grey ones, were assumed",
+        ),
+        (colour.to_owned(), ""),
+        (opencv, "the baseline of 0.12 is taken as metres"),
+    ] {
+        std::fs::write(folder.path("camera"), text).unwrap();
+        let outcome = folder.run("depth d.pfm --calibration camera").done();
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(!told.is_empty() || outcome.stderr.is_empty(), "{}", outcome.stderr);
+    }
 }
 
 #[test]

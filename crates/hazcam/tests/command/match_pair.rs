@@ -226,10 +226,17 @@ fn negative_disparities_are_legal() {
 fn what_was_assumed_is_told_unless_told_not_to() {
     let folder = Folder::with_pair(100, 16);
     let outcome = folder.run("match left.png right.png -o d.pfm").done();
-    assert!(outcome.stderr.contains("disparities from 0 to 32 were assumed from the width of 100"));
-    assert_eq!(sidecar(&folder, "d.pfm.json")["options"]["max_disparity"], 32);
+    assert!(outcome.stderr.contains("disparities from 0 to 31 were assumed from the width of 100"));
+    assert_eq!(sidecar(&folder, "d.pfm.json")["options"]["max_disparity"], 31);
     let outcome = folder.run("match left.png right.png -o d.pfm --quiet").done();
     assert_eq!(outcome.stderr, "");
+}
+
+#[test]
+fn what_is_assumed_of_wide_images_fits_into_a_png() {
+    let folder = Folder::with_pair(1242, 12);
+    let outcome = folder.run("match left.png right.png -o d.png -m fast").done();
+    assert!(outcome.stderr.contains("disparities from 0 to 255 were"), "{}", outcome.stderr);
 }
 
 #[test]

@@ -14,7 +14,7 @@ fn a_demo_leaves_pictures_records_and_tables() {
     let id = format!("demo/{}", scene.file_name().unwrap().to_str().unwrap());
     assert!(stdout.contains(&id), "{stdout}");
 
-    let left = formats::read_image(scene.join("left.png")).unwrap();
+    let left = formats::read_image(scene.join("im0.png")).unwrap();
     for picture in ["truth.png", "fast.png", "fast-error.png"] {
         let picture = formats::read_image(scene.join(picture)).unwrap();
         assert_eq!(picture.size(), left.size());
@@ -34,6 +34,13 @@ fn a_demo_leaves_pictures_records_and_tables() {
     for table in ["scores.md", "scores.csv", "scores.json"] {
         assert!(std::fs::metadata(out.join(table)).unwrap().len() > 100);
     }
+    // What it leaves is a data set, of which all can be measured again.
+    let (again, _) = run(folder.path(), &["bench", "--data", "out", "--matcher", "fast"], 0);
+    assert!(again.contains(&format!("{p_bad:.4}")), "{again}");
+    let depth = ["depth", "d.pfm", "--calibration", "calib.txt", "-o", "depth.pfm"];
+    let found = ["match", "im0.png", "im1.png", "-o", "d.pfm", "--max-disparity", "63"];
+    run(&scene, &found, 0);
+    run(&scene, &depth, 0);
 }
 
 /// The scenes tell good matchers from bad ones: a fixed window fails at thin things, where there is

@@ -1,5 +1,6 @@
 //! Engines against each other on the same scenes, with progress, and what comes of it.
 
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
@@ -33,9 +34,9 @@ pub struct Contest {
 impl Contest {
     /// Runs the engines on the cases, keeps and prints the results.
     ///
-    /// The status is 0 when every scene could be read and every matcher of hazcam's own has
-    /// answered: another engine's failure is a row in the table. It is 1 when a figure is past its
-    /// limit.
+    /// The status is 0 when every scene could be read, every matcher of hazcam's own has answered, and every other
+    /// engine that was called by its name has, on some scene: its failure on one is a row in the table. It is 1 when
+    /// a figure is past its limit.
     pub fn run(
         self,
         engines: &EngineArguments,
@@ -64,7 +65,16 @@ impl Contest {
         let own_failed = records
             .iter()
             .any(|record| record.status.message().is_some() && is_own(&record.engine));
-        if own_failed || unreadable > 0 || records.is_empty() {
+        let has_answered = |name: &&str| {
+            let mut of_engine = records.iter().filter(|record| record.engine == **name);
+            of_engine.any(|record| record.status.message().is_none())
+        };
+        let called = engines.called().chain(self.reference.as_deref());
+        let silent: BTreeSet<&str> = called.filter(|name| !has_answered(name)).collect();
+        for name in &silent {
+            ui.fail(&format!("{name} was asked for and has given no answer on any scene"));
+        }
+        if own_failed || unreadable > 0 || records.is_empty() || !silent.is_empty() {
             return Ok(cli::ERROR.into());
         }
         let broken = match &self.limits {

@@ -84,6 +84,11 @@ impl EngineArguments {
         Ok(definitions)
     }
 
+    /// The other engines that the user has called by their names, not by a pattern.
+    pub fn called(&self) -> impl Iterator<Item = &str> {
+        self.engine.iter().map(String::as_str).filter(|name| Pattern::escape(name) == **name)
+    }
+
     /// The programs that engines may refer to: this one, and Python.
     pub fn programs() -> anyhow::Result<Programs> {
         let this = std::env::current_exe().context("cannot find this program's own file")?;

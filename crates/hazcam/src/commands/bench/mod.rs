@@ -56,7 +56,7 @@ Examples:
   hazcam bench --use tuning --matcher best --reference opencv-wls
   hazcam bench --scenes 'course/*' --engine 'opencv-*' --out results --pictures
   hazcam bench --stress --format markdown
-  hazcam bench --matcher fast --scenes 'course/*' --limits benchmarks/course.toml
+  hazcam bench --scenes 'course/*' --limits benchmarks/course.toml
   hazcam bench --speed --threads 2 --record benchmarks/speed.json --into README.md
   hazcam bench --speed --sweep --matcher fast
   hazcam bench --reliability --use tuning --matcher best

@@ -25,6 +25,8 @@ pub struct Output {
     pub page: Option<Page>,
     /// Whether there is a page of points for each answer too, beside the pictures.
     pub pages: bool,
+    /// Whether a scene is kept itself, instead of its left image alone.
+    pub pairs: bool,
     folder: Option<PathBuf>,
     pictures: bool,
     /// The scene whose own pictures have been written last.
@@ -75,7 +77,11 @@ impl Output {
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         if self.pictures {
             if self.pictured.as_ref() != Some(&case.id) {
-                pictures::write_scene(&folder, data)?;
+                match self.pairs {
+                    true => pictures::write_pair(&folder, data)?,
+                    false => pictures::write_left(&folder, data)?,
+                }
+                pictures::write_truth(&folder, data)?;
                 self.pictured = Some(case.id.clone());
             }
             if let Some(answer) = answer {

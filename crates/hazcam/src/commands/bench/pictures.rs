@@ -1,4 +1,4 @@
-//! Pictures of a scene and of what a matcher made of it, flat and as points in space.
+//! A scene and pictures of what a matcher made of it, flat and as points in space.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use arena::dataset::CaseData;
 use arena::engine::Answer;
 use formats::picture::{self, ColourMap};
 use formats::{View, write_view};
-use raster::Plane;
+use raster::{Image, Plane};
 
 /// What a page tells the depths' uncertainty for, in pixels.
 const DISPARITY_ERROR: f64 = 0.5;
@@ -22,9 +22,32 @@ fn turbo(values: &Plane<f32>, data: &CaseData) -> Plane<[u8; 3]> {
     picture::disparity(values, min, max, ColourMap::Turbo)
 }
 
-/// `left.png`, and `truth.png` where there is truth.
-pub fn write_scene(folder: &Path, data: &CaseData) -> anyhow::Result<()> {
-    formats::write_image(folder.join("left.png"), &data.left)?;
+/// The scene itself as MiddEval3 lays it out: `im0.png` and `im1.png`, and where they are known `disp0GT.pfm`,
+/// `mask0nocc.png` and `calib.txt`.
+pub fn write_pair(folder: &Path, data: &CaseData) -> anyhow::Result<()> {
+    formats::write_image(folder.join("im0.png"), &data.left)?;
+    formats::write_image(folder.join("im1.png"), &data.right)?;
+    if let Some(truth) = &data.truth {
+        formats::write_disparity(folder.join("disp0GT.pfm"), truth)?;
+    }
+    if let Some(seen_by_both) = seen_by_both(data) {
+        let mask = seen_by_both.map(|&both| if both { 255 } else { 128 });
+        formats::write_image(folder.join("mask0nocc.png"), &Image::Grey8(mask))?;
+    }
+    if let Some(camera) = &data.camera {
+        let (size, range) = (data.left.size(), data.range);
+        formats::write_calibration(folder.join("calib.txt"), camera, size, range)?;
+    }
+    Ok(())
+}
+
+/// `left.png`.
+pub fn write_left(folder: &Path, data: &CaseData) -> anyhow::Result<()> {
+    Ok(formats::write_image(folder.join("left.png"), &data.left)?)
+}
+
+/// `truth.png` where there is truth.
+pub fn write_truth(folder: &Path, data: &CaseData) -> anyhow::Result<()> {
     if let Some(truth) = &data.truth {
         picture::write_png_rgb(folder.join("truth.png"), &turbo(truth, data))?;
     }
@@ -41,12 +64,7 @@ pub fn write_answer(
     let estimate = inside(&answer.disparity, data);
     picture::write_png_rgb(folder.join(format!("{engine}.png")), &turbo(&estimate, data))?;
     if let Some(truth) = &data.truth {
-        let seen_by_both = data.regions.iter().find(|region| region.name == "non-occluded");
-        let errors = picture::log_error(
-            &estimate,
-            &inside(truth, data),
-            seen_by_both.map(|region| &region.mask),
-        )?;
+        let errors = picture::log_error(&estimate, &inside(truth, data), seen_by_both(data))?;
         picture::write_png_rgb(folder.join(format!("{engine}-error.png")), &errors)?;
     }
     Ok(())
@@ -75,6 +93,12 @@ pub fn write_page(
     }
     write_view(page, &view)?;
     Ok(())
+}
+
+/// Which pixels both cameras see, if that is known.
+fn seen_by_both(data: &CaseData) -> Option<&Plane<bool>> {
+    let region = data.regions.iter().find(|region| region.name == "non-occluded");
+    region.map(|region| &region.mask)
 }
 
 /// What lies inside the box; nothing is known of the rest.

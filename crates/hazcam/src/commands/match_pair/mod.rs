@@ -71,8 +71,8 @@ pub struct Args {
     #[arg(value_parser = super::choice(Preset::ALL.map(Preset::name)))]
     matcher: String,
 
-    /// Largest disparity to look for, in pixels [default: a quarter of the width, as a multiple of
-    /// 16 from 16 to 256, above the smallest]
+    /// Largest disparity to look for, in pixels [default: the smallest one + N - 1, where N is a
+    /// quarter of the width as a multiple of 16, from 16 to 256]
     #[arg(short = 'd', long, value_name = "N", help_heading = "Matching")]
     #[arg(value_parser = arguments::disparity, allow_negative_numbers = true)]
     max_disparity: Option<i32>,
@@ -257,8 +257,7 @@ fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<Strin
     let (max, assumed) = match args.max_disparity {
         Some(max) => (max, None),
         None => {
-            let span = default_span(columns);
-            let max = min.saturating_add(span);
+            let max = min.saturating_add(default_count(columns) - 1);
             let note = format!(
                 "disparities from {min} to {max} were assumed from the width of {columns}; \
                  anything nearer is missed: give --max-disparity if you know it"
@@ -280,10 +279,10 @@ fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<Strin
     Ok((options, assumed))
 }
 
-/// A quarter of the width, up to the next multiple of 16, from 16 to 256. That covers, with room,
-/// what the usual scenes need (Cones and Teddy 60 of 450 columns, KITTI 192 of 1242); a camera that
-/// looks at its own wheels may need more, which is why the assumption is told.
-fn default_span(columns: usize) -> i32 {
+/// How many disparities: a quarter of the width, up to the next multiple of 16, from 16 to 256, which are what a
+/// PNG of KITTI's holds. That covers, with room, what the usual scenes need (Cones and Teddy 60 of 450 columns, KITTI
+/// 192 of 1242); a camera that looks at its own wheels may need more, which is why the assumption is told.
+fn default_count(columns: usize) -> i32 {
     columns.div_ceil(4).next_multiple_of(16).clamp(16, 256) as i32
 }
 
@@ -293,7 +292,7 @@ mod tests {
 
     #[test]
     fn the_default_range_is_a_quarter_of_the_width() {
-        let spans = [1, 64, 450, 1242, 3000, usize::MAX / 2].map(default_span);
-        assert_eq!(spans, [16, 16, 128, 256, 256, 256]);
+        let counts = [1, 64, 450, 1242, 3000, usize::MAX / 2].map(default_count);
+        assert_eq!(counts, [16, 16, 128, 256, 256, 256]);
     }
 }

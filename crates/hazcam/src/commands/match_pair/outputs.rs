@@ -106,7 +106,7 @@ impl Outputs {
         if is_png(&self.disparity) && (range.min() < 0 || range.max() > 255) {
             bail!(
                 "{} holds disparities from 0 to below 256 (KITTI's 16-bit PNG), but {} to {} are \
-                 to be looked for: write .pfm, .npy or .tiff, or narrow the range",
+                 to be looked for: write .pfm, .npy or .tiff, or give a range within 0 to 255",
                 self.disparity.display(),
                 range.min(),
                 range.max()

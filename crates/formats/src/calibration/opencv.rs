@@ -1,0 +1,148 @@
+//! YAML files of OpenCV's `FileStorage`, with the matrices of `stereoRectify`.
+//!
+//! `P1 = [f 0 cx1 0; 0 f cy 0; 0 0 1 0]`, `P2 = [f 0 cx2 -f b; 0 f cy 0; 0 0 1 0]`, where `b` is in the unit of the
+//! squares that the cameras were calibrated with.
+
+use serde::Deserialize;
+
+use super::{Calibration, CalibrationLayout, Entries};
+use crate::FormatError;
+use crate::source::Source;
+
+/// With these OpenCV's files begin: before version 5 no YAML has a colon there.
+const BEGINNINGS: [&str; 2] = ["%YAML:1.0", "%YAML 1.2"];
+
+/// What else is in the file does not matter.
+#[derive(Deserialize)]
+struct Storage {
+    #[serde(rename = "P1")]
+    left: Option<Matrix>,
+    #[serde(rename = "P2")]
+    right: Option<Matrix>,
+}
+
+#[derive(Deserialize)]
+struct Matrix {
+    rows: usize,
+    cols: usize,
+    data: Vec<f64>,
+}
+
+/// Whether a text is one of OpenCV's.
+pub(super) fn is_opencv(text: &str) -> bool {
+    BEGINNINGS.iter().any(|beginning| text.starts_with(beginning))
+}
+
+/// The pair of `P1` and `P2`.
+pub(super) fn parse(source: &Source, text: &str) -> Result<Calibration, FormatError> {
+    let entries = Entries { source, entries: Vec::new() };
+    let body = text.split_once('\n').map_or("", |(_, body)| body);
+    let storage: Storage = serde_saphyr::from_str(body).map_err(|error| {
+        let error = error.to_string();
+        let what = error.lines().next().unwrap_or_default();
+        entries.fail(None, format!("the YAML cannot be read: {what}, the first line not counted"))
+    })?;
+    let (Some(left), Some(right)) = (storage.left, storage.right) else {
+        let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
+                       give focal length and baseline";
+        return Err(entries.fail(None, problem.into()));
+    };
+    let [left, right] = [matrix(&entries, "P1", left)?, matrix(&entries, "P2", right)?];
+    let focal = left[0];
+    if focal != right[0] {
+        let problem = format!(
+            "P1 and P2 have the focal lengths {focal} and {}: a rectified pair has one",
+            right[0]
+        );
+        return Err(entries.fail(None, problem));
+    }
+    if right[7] != 0.0 {
+        let problem = "P2 has its camera below the other one, but pairs stand side by side here";
+        return Err(entries.fail(None, problem.into()));
+    }
+    entries.square("P1", [focal, left[5]])?;
+    entries.rectified(["P1", "P2"], [left[6], right[6]])?;
+    Ok(Calibration {
+        layout: CalibrationLayout::OpenCv,
+        camera: entries.camera(focal, -right[3] / focal, right[2] - left[2], left[2], left[6])?,
+        colour_camera: None,
+        width: None,
+        height: None,
+        ndisp: None,
+        isint: None,
+        vmin: None,
+        vmax: None,
+    })
+}
+
+fn matrix(entries: &Entries<'_>, name: &str, matrix: Matrix) -> Result<[f64; 12], FormatError> {
+    let Matrix { rows, cols, data } = matrix;
+    let wrong = |numbers: usize| {
+        let problem =
+            format!("{name} is {rows} x {cols} with {numbers} numbers, but must be 3 x 4 with 12");
+        entries.fail(None, problem)
+    };
+    if (rows, cols) != (3, 4) {
+        return Err(wrong(data.len()));
+    }
+    data.try_into().map_err(|data: Vec<f64>| wrong(data.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::read;
+    use super::*;
+    use camera::StereoCamera;
+
+    /// As OpenCV 4 writes it; f = 700, 0.12 apart.
+    const SAMPLE: &str = "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
+        data: [ 705., 0., 322., 0., 706., 241., 0.,\n       0., 1. ]\nP1: !!opencv-matrix\n   rows: 3\n   \
+        cols: 4\n   dt: d\n   data: [ 700., 0., 320.5, 0., 0., 7.0000000000000000e+02, 240., 0., 0., 0., 1., 0. ]\n\
+        P2: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 700., 0., 324.5, -84., 0., 700., 240., 0.,\n       \
+        0., 0., 1., 0. ]\nnote: \"a b\"\n";
+
+    #[test]
+    fn the_matrices_of_stereo_rectify_are_a_camera() {
+        for beginning in BEGINNINGS {
+            let calibration = read(&SAMPLE.replace("%YAML:1.0", beginning)).unwrap();
+            assert_eq!(calibration.layout, CalibrationLayout::OpenCv);
+            assert_eq!(
+                calibration.camera,
+                StereoCamera::new(700.0, 0.12, 4.0, 320.5, 240.0).unwrap()
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (from, to, word) in [
+            ("P2:", "P3:", "P1 and P2"),
+            (
+                "P1: !!opencv-matrix\n   rows: 3",
+                "P1: !!opencv-matrix\n   rows: 2",
+                "P1 is 2 x 4 with 12 numbers",
+            ),
+            ("324.5, -84.,", "324.5,", "P2 is 3 x 4 with 11 numbers"),
+            ("324.5, -84.,", "324.5, 84.,", "baseline in metres"),
+            ("[ 700., 0., 324.5", "[ 701., 0., 324.5", "the focal lengths 700 and 701"),
+            ("700., 240., 0.,\n", "700., 240., -84.,\n", "side by side"),
+            ("700., 240., 0.,\n", "700., 250., 0.,\n", "the rows 240 and 250"),
+            ("[ 700., 0., 324.5", "[ seven, 0., 324.5", "the YAML cannot be read"),
+            ("P1: ", "P1: [", "the YAML cannot be read"),
+        ] {
+            let error = read(&SAMPLE.replace(from, to)).unwrap_err();
+            assert!(error.contains(word), "{error}");
+        }
+        let bomb = format!(
+            "%YAML:1.0\n---\na: &a [{}]\n{}P1: *j\n",
+            "1,".repeat(100),
+            ('b'..='j')
+                .map(|c| format!(
+                    "{c}: &{c} [{}]\n",
+                    format!("*{},", (c as u8 - 1) as char).repeat(50)
+                ))
+                .collect::<String>()
+        );
+        assert!(read(&bomb).is_err());
+    }
+}
