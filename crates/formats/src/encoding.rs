@@ -57,7 +57,10 @@ impl FromStr for Encoding {
                 .to_owned(),
         };
         let parse = |divisor: &str| match divisor.parse::<f32>() {
-            Ok(divisor) if divisor.is_finite() && divisor > 0.0 => Ok(divisor),
+            // The largest sample must be a number of pixels too.
+            Ok(divisor) if divisor > 0.0 && (f32::from(u16::MAX) / divisor).is_normal() => {
+                Ok(divisor)
+            }
             _ => Err(wrong()),
         };
         match text.split_once('/') {
@@ -88,8 +91,18 @@ mod tests {
 
     #[test]
     fn a_scale_must_be_said_and_be_positive() {
-        for text in ["png8", "png16", "png8/0", "png8/-4", "png8/x", "png8/inf", "PFM", "", "pfm/1"]
-        {
+        for text in [
+            "png8",
+            "png16",
+            "png8/0",
+            "png8/-4",
+            "png8/x",
+            "png8/inf",
+            "png8/1e-38",
+            "PFM",
+            "",
+            "pfm/1",
+        ] {
             let error = text.parse::<Encoding>().unwrap_err().to_string();
             assert!(error.contains(text) && error.contains("png8/4"), "{error}");
         }

@@ -12,8 +12,8 @@ use crate::FormatError;
 /// The most pixels that are read from one file: 2^28, for example 16384 x 16384.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// The most bytes that are read from one file: 2 GiB, more than [`MAX_PIXELS`] of any format take.
-pub const MAX_FILE_BYTES: u64 = 1 << 31;
+/// The most bytes that are read from one file: those of [`MAX_PIXELS`] of the widest samples, and a header.
+pub const MAX_FILE_BYTES: u64 = 8 * MAX_PIXELS + (1 << 20);
 
 /// What a file is, by its first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::fs;
 
 use formats::npy::{self, Array, Dtype, Element, Samples};
+use half::f16;
 use raster::Plane;
 
 fn round_trip<T: Element + PartialEq + Debug>(plane: Plane<T>) {
@@ -52,6 +53,11 @@ fn both_byte_orders_and_all_integers_are_read() {
         (">u2", &[1, 0, 0, 2], Samples::Uint16(vec![256, 2])),
         (">u4", &[0, 0, 1, 0, 0, 0, 0, 2], Samples::Uint32(vec![256, 2])),
         ("<i8", &[[0xff; 8], [0; 8]].concat(), Samples::Int64(vec![-1, 0])),
+        (
+            "<f2",
+            &[0, 0x3e, 0, 0xc0],
+            Samples::Float16(vec![f16::from_f32(1.5), f16::from_f32(-2.0)]),
+        ),
         (">f4", &[0x3f, 0x80, 0, 0, 0xc0, 0, 0, 0], Samples::Float32(vec![1.0, -2.0])),
     ] {
         let dictionary =

@@ -76,6 +76,32 @@ fn a_tiff_that_was_cut_off_within_its_strip_is_said_to_be() {
 }
 
 #[test]
+fn a_tiff_of_other_samples_is_not_damaged_but_of_another_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("other.tif");
+    // The values of the tags in `tiff_with_its_directory_first`: bits, then what white is.
+    for (bits, white, word) in
+        [(1, 1, "Gray(1) samples"), (4, 0, "Gray(4) samples"), (32, 0, "in which 0 is white")]
+    {
+        let mut bytes = tiff_with_its_directory_first();
+        bytes[10 + 2 * 12 + 8] = bits;
+        bytes[10 + 3 * 12 + 8] = white;
+        // Floats; an entry takes the place of the rows in a strip, which are all.
+        if bits == 32 {
+            bytes[10 + 5 * 12..][..12].copy_from_slice(&[0x53, 1, 4, 0, 1, 0, 0, 0, 3, 0, 0, 0]);
+        }
+        fs::write(&path, &bytes).unwrap();
+        for error in [
+            read_image(&path).unwrap_err(),
+            read_disparity(&path, formats::Encoding::Auto).unwrap_err(),
+        ] {
+            let error = error.to_string();
+            assert!(error.contains(word) && !error.contains("damaged"), "{error}");
+        }
+    }
+}
+
+#[test]
 fn an_array_that_claims_more_than_there_is_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("d.npy");

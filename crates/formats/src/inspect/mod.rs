@@ -170,8 +170,8 @@ fn floats(format: Container, values: &Plane<f32>) -> FileContent {
 fn array(source: &Source) -> Result<FileContent, FormatError> {
     let Array { shape, samples } = npy::decode(source)?;
     let dtype = samples.dtype();
-    let elements = samples.to_f64();
-    let as_box = match (&shape[..], &elements[..]) {
+    let first: Vec<f64> = samples.values().take(4).collect();
+    let as_box = match (&shape[..], &first[..]) {
         ([2, 2], [x0, x1, y0, y1])
             if dtype.is_integer() && 0.0 <= *x0 && x0 <= x1 && 0.0 <= *y0 && y0 <= y1 =>
         {
@@ -179,7 +179,7 @@ fn array(source: &Source) -> Result<FileContent, FormatError> {
         }
         _ => None,
     };
-    let values = Statistics::of(elements.into_iter());
+    let values = Statistics::of(samples.values());
     Ok(FileContent::Array { dtype, shape, values, as_box })
 }
 

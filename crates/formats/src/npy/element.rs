@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use half::f16;
+
 use super::Dtype;
 
 mod sealed {
@@ -29,6 +31,8 @@ macro_rules! samples {
         pub enum Samples {
             /// Truth values; any byte but 0 is true.
             Bool(Vec<bool>),
+            /// Elements of 16 bits with a point.
+            Float16(Vec<f16>),
             $(
                 #[doc = concat!("Elements of type `", stringify!($type), "`.")]
                 $variant(Vec<$type>),
@@ -40,13 +44,19 @@ macro_rules! samples {
             pub fn dtype(&self) -> Dtype {
                 match self {
                     Self::Bool(_) => Dtype::Bool,
+                    Self::Float16(_) => Dtype::Float16,
                     $(Self::$variant(_) => Dtype::$variant,)+
                 }
             }
 
             /// Reads the elements; `bytes` must be a whole number of them.
             pub(super) fn from_bytes(dtype: Dtype, big_endian: bool, bytes: &[u8]) -> Self {
+                let pairs = bytes.as_chunks().0.iter();
                 match dtype {
+                    Dtype::Float16 => Self::Float16(match big_endian {
+                        true => pairs.map(|&c| f16::from_be_bytes(c)).collect(),
+                        false => pairs.map(|&c| f16::from_le_bytes(c)).collect(),
+                    }),
                     Dtype::Bool => Self::Bool(bytes.iter().map(|&b| b != 0).collect()),
                     $(Dtype::$variant => {
                         let chunks = bytes.as_chunks().0.iter();
@@ -62,16 +72,23 @@ macro_rules! samples {
             pub(super) fn fortran_to_c(self, shape: &[usize]) -> Self {
                 match self {
                     Self::Bool(v) => Self::Bool(reorder(&v, shape)),
+                    Self::Float16(v) => Self::Float16(reorder(&v, shape)),
                     $(Self::$variant(v) => Self::$variant(reorder(&v, shape)),)+
                 }
             }
 
-            /// The elements as `f64` (64-bit integers past 2^53 are rounded).
-            pub fn to_f64(&self) -> Vec<f64> {
+            /// The elements as `f64` (64-bit integers past 2^53 are rounded), without memory for all of them.
+            pub fn values(&self) -> Box<dyn Iterator<Item = f64> + '_> {
                 match self {
-                    Self::Bool(v) => v.iter().map(|&v| f64::from(u8::from(v))).collect(),
-                    $(Self::$variant(v) => v.iter().map(|&v| v as f64).collect(),)+
+                    Self::Bool(v) => Box::new(v.iter().map(|&v| f64::from(u8::from(v)))),
+                    Self::Float16(v) => Box::new(v.iter().map(|&v| v.to_f64())),
+                    $(Self::$variant(v) => Box::new(v.iter().map(|&v| v as f64)),)+
                 }
+            }
+
+            /// The same in memory.
+            pub fn to_f64(&self) -> Vec<f64> {
+                self.values().collect()
             }
         }
     };

@@ -26,6 +26,8 @@ pub enum Dtype {
     Uint64,
     /// Signed, 64 bit.
     Int64,
+    /// IEEE 754, 16 bit.
+    Float16,
     /// IEEE 754, 32 bit.
     Float32,
     /// IEEE 754, 64 bit.
@@ -37,7 +39,7 @@ impl Dtype {
     pub fn size(self) -> usize {
         match self {
             Self::Bool | Self::Uint8 | Self::Int8 => 1,
-            Self::Uint16 | Self::Int16 => 2,
+            Self::Uint16 | Self::Int16 | Self::Float16 => 2,
             Self::Uint32 | Self::Int32 | Self::Float32 => 4,
             Self::Uint64 | Self::Int64 | Self::Float64 => 8,
         }
@@ -55,6 +57,7 @@ impl Dtype {
             Self::Int32 => "int32",
             Self::Uint64 => "uint64",
             Self::Int64 => "int64",
+            Self::Float16 => "float16",
             Self::Float32 => "float32",
             Self::Float64 => "float64",
         }
@@ -62,7 +65,7 @@ impl Dtype {
 
     /// Whether the elements are whole numbers (truth values are not).
     pub fn is_integer(self) -> bool {
-        !matches!(self, Self::Bool | Self::Float32 | Self::Float64)
+        !matches!(self, Self::Bool | Self::Float16 | Self::Float32 | Self::Float64)
     }
 
     /// The code in `descr` behind the byte order.
@@ -77,6 +80,7 @@ impl Dtype {
             "i4" => Self::Int32,
             "u8" => Self::Uint64,
             "i8" => Self::Int64,
+            "f2" => Self::Float16,
             "f4" => Self::Float32,
             "f8" => Self::Float64,
             _ => return None,
@@ -95,6 +99,7 @@ impl Dtype {
             Self::Int32 => "<i4",
             Self::Uint64 => "<u8",
             Self::Int64 => "<i8",
+            Self::Float16 => "<f2",
             Self::Float32 => "<f4",
             Self::Float64 => "<f8",
         }
@@ -288,7 +293,6 @@ impl Parser<'_> {
             Some(b'U' | b'S' | b'a') => format!("an array of strings ({descr})"),
             Some(b'M' | b'm') => format!("an array of dates or times ({descr})"),
             Some(b'V') => format!("an array of raw records ({descr})"),
-            Some(b'f') if code == "f2" => "an array of float16".to_owned(),
             _ => format!("an array of the unknown type `{descr}`"),
         };
         // `=` means the byte order of the machine that wrote it, which the file does not tell.
@@ -331,7 +335,6 @@ mod tests {
             ("'<c8'", "complex"),
             ("'<U3'", "strings"),
             ("[('x', '<f4')]", "structured"),
-            ("'<f2'", "float16"),
             ("'<q9'", "unknown type"),
             ("'<>|=<f4'", "unknown type"),
             ("'<<f4'", "unknown type"),

@@ -29,6 +29,9 @@ pub(crate) enum Content {
     Floats(Plane<f32>),
 }
 
+/// What is read.
+const SAMPLES: &str = "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed";
+
 /// Decodes the first picture of a TIFF file.
 pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     let failed = |error: TiffError| explain(source, error);
@@ -36,6 +39,19 @@ pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     let mut decoder = Decoder::new(Cursor::new(&source.bytes[..])).map_err(failed)?;
     let (columns, rows) = decoder.dimensions().map_err(failed)?;
     let color = decoder.colortype().map_err(failed)?;
+    // Several samples in a byte: the decoder would not know how many there are.
+    if color.bit_depth() < 8 {
+        return Err(source.wrong_kind(format!("a TIFF of {color:?} samples"), SAMPLES));
+    }
+    // The decoder would turn floats into 1 - v.
+    let white: Option<u16> =
+        decoder.find_tag_unsigned(Tag::PhotometricInterpretation).map_err(failed)?;
+    if color == ColorType::Gray(32) && white == Some(0) {
+        return Err(source.wrong_kind(
+            "a TIFF of floats in which 0 is white",
+            "save it with 0 as black (photometric `minisblack`)",
+        ));
+    }
     let bits = u64::from(color.bit_depth()) * u64::from(color.num_samples());
     let (columns, rows) =
         source.check_size(FORMAT, u64::from(columns), u64::from(rows), |pixels| {
@@ -104,10 +120,7 @@ fn content(
             (Plane::new(columns, rows, v).map(Image::Rgb16), stored("colour with alpha", 16, false))
         }
         (color, _) => {
-            return Err(source.wrong_kind(
-                format!("a TIFF of {color:?} samples"),
-                "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed",
-            ));
+            return Err(source.wrong_kind(format!("a TIFF of {color:?} samples"), SAMPLES));
         }
     };
     Ok(Content::Picture(Decoded { image: image.map_err(wrong_size)?, stored }))

@@ -72,7 +72,7 @@ impl Contest {
         let called = engines.called().chain(self.reference.as_deref());
         let silent: BTreeSet<&str> = called.filter(|name| !has_answered(name)).collect();
         for name in &silent {
-            ui.fail(&format!("{name} was asked for and has given no answer on any scene"));
+            ui.fail(format_args!("{name} was asked for and has given no answer on any scene"));
         }
         if own_failed || unreadable > 0 || records.is_empty() || !silent.is_empty() {
             return Ok(cli::ERROR.into());
