@@ -226,6 +226,10 @@ fn files_that_do_not_belong_together_are_named() {
     let error = dataset::open(root.path()).unwrap()[0].load().unwrap_err();
     assert!(matches!(error, DatasetError::SizesDiffer { .. }), "{error}");
     assert!(error.to_string().contains("im1.png is 3 x 3, but the left image is 20 x 10"));
+    grey16(&at("im1.png"), 0);
+    let error = dataset::open(root.path()).unwrap()[0].load().unwrap_err().to_string();
+    let words = "im1.png is grey of 16 bits, but the left image is grey of 8 bits";
+    assert!(error.contains(words), "{error}");
     fs::write(at("im1.png"), "not an image").unwrap();
     let error = dataset::open(root.path()).unwrap()[0].load().unwrap_err();
     assert!(error.to_string().contains("im1.png"), "{error}");
@@ -234,6 +238,31 @@ fn files_that_do_not_belong_together_are_named() {
     assert!(error.starts_with("no scene was found"), "{error}");
     let error = dataset::open(&empty.path().join("nothing")).unwrap_err().to_string();
     assert!(error.ends_with("is not a folder"), "{error}");
+}
+
+#[test]
+fn two_scenes_by_one_id_are_named() {
+    let root = tempfile::tempdir().unwrap();
+    for folder in ["a/s", "a/training/s"] {
+        grey8(&root.path().join(folder).join("im0.png"), 9);
+        grey8(&root.path().join(folder).join("im1.png"), 9);
+    }
+    let error = dataset::open(root.path()).unwrap_err().to_string();
+    for words in ["a/s/im0.png", "a/training/s/im0.png", "would both be the scene a/s"] {
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_to_folders_are_no_files() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |name: &str| root.path().join(name);
+    fs::create_dir(at("folder")).unwrap();
+    for name in ["left.png", "right.png"] {
+        std::os::unix::fs::symlink(at("folder"), at(name)).unwrap();
+    }
+    assert!(matches!(dataset::open(root.path()), Err(DatasetError::NoScenes { .. })));
 }
 
 #[test]

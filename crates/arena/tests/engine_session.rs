@@ -107,6 +107,36 @@ fn all_that_was_said_is_there_at_the_end() {
 }
 
 #[test]
+fn an_engine_that_reads_nothing_is_killed_at_its_limit() {
+    let limits = Limits { wall: Duration::from_secs(1), ..limits() };
+    let answer = r#"sleep 0.1; echo '{"hazcam":"failed","job":1,"message":"no"}'"#;
+    let scratch = tempfile::tempdir().unwrap();
+    let command = shell(&format!("{READY} {answer}; sleep 600"));
+    let mut session = Session::start(command, scratch.path(), limits).unwrap();
+    // Two of them are more than a pipe takes.
+    let long = |number| Job { left: "x".repeat(60_000).into(), ..job(number, scratch.path()) };
+    assert!(matches!(session.run(&long(1)).0, Status::Failed { .. }));
+    let (status, usage) = session.run(&long(2));
+    assert!(matches!(status, Status::Timeout { .. }), "{status}");
+    assert!(usage.wall_seconds < 60.0);
+}
+
+#[test]
+fn what_is_said_before_a_job_is_a_protocol_error() {
+    let answers = r#"{"hazcam":"done","job":1}\n{"hazcam":"done","job":2}\n"#;
+    let script = format!("{READY} read line; printf '{answers}'; touch told; read line; sleep 600");
+    let scratch = tempfile::tempdir().unwrap();
+    let mut session = Session::start(shell(&script), scratch.path(), limits()).unwrap();
+    assert_eq!(session.run(&job(1, scratch.path())).0, Status::Done);
+    while !scratch.path().join("told").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    let text = session.run(&job(2, scratch.path())).0.to_string();
+    assert!(text.contains("before it was asked"), "{text}");
+}
+
+#[test]
 fn an_engine_that_is_gone_before_the_job_has_crashed() {
     assert!(matches!(first_job("exit 0", limits()), Status::Crashed { .. }));
 }

@@ -26,6 +26,20 @@ pub enum DatasetError {
         /// The folder.
         path: PathBuf,
     },
+    /// Two scenes would go by one id.
+    #[error(
+        "{} and {} would both be the scene {id}: rename a folder, or name scenes in a scenes.json",
+        one.display(),
+        other.display()
+    )]
+    SameId {
+        /// The id.
+        id: String,
+        /// The left image of one of them.
+        one: PathBuf,
+        /// That of the other.
+        other: PathBuf,
+    },
     /// A folder or the catalogue cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -61,6 +75,16 @@ pub enum DatasetError {
         left_columns: usize,
         /// Rows of the left image.
         left_rows: usize,
+    },
+    /// The images of a pair are of different kinds.
+    #[error("{} is {kind}, but the left image is {left_kind}: a pair is of one kind", path.display())]
+    KindsDiffer {
+        /// The right image.
+        path: PathBuf,
+        /// What it is.
+        kind: String,
+        /// What the left one is.
+        left_kind: String,
     },
     /// The box or the range makes no sense for the images.
     #[error(transparent)]

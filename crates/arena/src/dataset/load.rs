@@ -5,7 +5,7 @@ use std::path::Path;
 use formats::{
     FormatError, read_bounding_box, read_calibration, read_disparity, read_image, read_mask,
 };
-use raster::{BoundingBox, DisparityRange, Plane};
+use raster::{BoundingBox, DisparityRange, Image, Plane};
 use score::masks::{SAME_SURFACE, non_occluded};
 
 use super::case::{CaseData, CaseRegion, Files, TruthFile};
@@ -23,6 +23,10 @@ pub(super) fn files(
     let right = read_image(&files.right)?;
     let size = left.size();
     check_size(&files.right, right.size(), size)?;
+    let [left_kind, kind] = [&left, &right].map(kind);
+    if kind != left_kind {
+        return Err(DatasetError::KindsDiffer { path: files.right.clone(), kind, left_kind });
+    }
     let mut protocol = Vec::new();
 
     let truth = match &files.truth {
@@ -51,6 +55,12 @@ pub(super) fn files(
     };
     // Of files nothing asks for more than disparities: their calibrations are not looked for.
     Ok(CaseData { left, right, bounds, range, camera: None, truth, regions, protocol })
+}
+
+/// What samples an image has, in words.
+fn kind(image: &Image) -> String {
+    let colour = if matches!(image, Image::Rgb8(_) | Image::Rgb16(_)) { "colour" } else { "grey" };
+    format!("{colour} of {} bits", image.depth())
 }
 
 /// The file with its folder, which in some data sets alone says what it holds.

@@ -31,7 +31,7 @@ const CATALOGUE: &str = "scenes.json";
 /// Every case of a folder: what its `scenes.json` lists, or without one what its layouts show. The
 /// course's three scenes come first.
 ///
-/// Errors when the folder is missing or holds no scene, or its catalogue is no catalogue. Images
+/// Errors when the folder is missing or holds no scene, or two by the same id, or its catalogue is no catalogue. Images
 /// are not opened yet.
 pub fn open(root: &Path) -> Result<Vec<Case>, DatasetError> {
     if !root.is_dir() {

@@ -111,6 +111,13 @@ impl Definition {
                 definition.name
             )));
         }
+        let name = definition.name.as_str();
+        if ["left", "truth"].contains(&name) || name.ends_with("-error") {
+            return Err(invalid(format!(
+                "the name `{name}` is that of another picture beside those of engines: `left`, `truth` and what ends \
+                 in `-error` cannot be names"
+            )));
+        }
         if definition.command.first().is_none_or(String::is_empty) {
             return Err(invalid("`command` must name a program".into()));
         }
@@ -233,6 +240,8 @@ mod tests {
             ("name = 'x'", "missing field `command`"),
             ("name = 'x'\ncommand = []", "must name a program"),
             ("name = '../x'\ncommand = ['x']", "`../x` must consist of"),
+            ("name = 'truth'\ncommand = ['x']", "that of another picture"),
+            ("name = 'x-error'\ncommand = ['x']", "that of another picture"),
             ("name = 'x'\ncommand = ['x']\ncolour = true", "unknown field `colour`"),
             ("name = 'x'\ncommand = ['x']\nkind = 'magic'", "unknown variant `magic`"),
         ] {

@@ -4,7 +4,7 @@
 //! must have at most, of exactly the right type and shape, without infinite values.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use formats::{FormatError, npy};
@@ -72,7 +72,7 @@ pub fn write_job(
 
 /// Removes what an earlier job left at this place, a folder with all that is in it as well: one in
 /// an answer's place would keep the engine from every further job. That there is nothing is fine.
-fn remove(path: &Path) -> Result<(), FormatError> {
+pub(super) fn remove(path: &Path) -> Result<(), FormatError> {
     let is_folder = fs::symlink_metadata(path).is_ok_and(|found| found.is_dir());
     let removed = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     match removed {
@@ -187,21 +187,28 @@ fn read_plane<T: npy::Element>(
     path: &PathBuf,
 ) -> Result<Option<Plane<T>>, String> {
     let name = file_name(path);
-    let found = match fs::symlink_metadata(path) {
+    let cannot = |error| format!("its {what} file cannot be read: {error}");
+    match fs::symlink_metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(format!("its {what} file cannot be read: {error}")),
-        Ok(found) => found,
-    };
-    if !found.is_file() {
+        Err(error) => return Err(cannot(error)),
+        Ok(found) if !found.is_file() => {
+            return Err(format!("{name} is no regular file (links are not followed)"));
+        }
+        Ok(_) => {}
+    }
+    // The engine lives on and may put something else in its place: what counts is what was opened.
+    let file = open(path).map_err(cannot)?;
+    if !file.metadata().map_err(cannot)?.is_file() {
         return Err(format!("{name} is no regular file (links are not followed)"));
     }
     let pixels = job.columns as u64 * job.rows as u64;
     let limit = pixels * size_of::<T>() as u64 + HEADER_LIMIT;
-    if found.len() > limit {
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > limit {
         return Err(format!(
-            "{name} has {} bytes, but the {what} of {} x {} pixels takes at most {limit}: write {} \
+            "{name} has more than the {limit} bytes that the {what} of {} x {} pixels takes at most: write {} \
              of shape ({}, {})",
-            found.len(),
             job.columns,
             job.rows,
             T::DTYPE,
@@ -209,7 +216,7 @@ fn read_plane<T: npy::Element>(
             job.columns
         ));
     }
-    let plane = npy::read_plane::<T>(path).map_err(|error| error.to_string())?;
+    let plane = npy::plane_of_bytes::<T>(path, bytes).map_err(|error| error.to_string())?;
     if plane.size() != (job.columns, job.rows) {
         return Err(format!(
             "{name} has the shape ({}, {}), but the left image has ({}, {}): answer the whole \
@@ -221,6 +228,19 @@ fn read_plane<T: npy::Element>(
         ));
     }
     Ok(Some(plane))
+}
+
+/// Opens a file, not what a link leads to, and waits for nobody who would write into a pipe.
+fn open(path: &Path) -> io::Result<fs::File> {
+    let mut options = fs::OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use rustix::fs::OFlags;
+        let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+        std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, flags.bits() as i32);
+    }
+    options.open(path)
 }
 
 fn file_name(path: &Path) -> String {
@@ -313,5 +333,16 @@ mod tests {
         npy::write(&elsewhere, &Plane::filled(3, 2, 0f32)).unwrap();
         std::os::unix::fs::symlink(&elsewhere, &job.disparity).unwrap();
         assert!(read_answer(&job).unwrap_err().contains("links are not followed"));
+        assert!(open(&job.disparity).is_err(), "nor where one comes between two looks");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nobody_waits_at_a_pipe() {
+        let scratch = tempfile::tempdir().unwrap();
+        let job = job_in(scratch.path());
+        nix::unistd::mkfifo(&job.disparity, nix::sys::stat::Mode::S_IRWXU).unwrap();
+        assert!(read_answer(&job).unwrap_err().contains("no regular file"));
+        assert!(!open(&job.disparity).unwrap().metadata().unwrap().is_file());
     }
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use formats::{Encoding, read_disparity, write_image};
 
-use super::exchange::{Answer, Pair};
+use super::exchange::{self, Answer, Pair};
 use super::limits::Limits;
 use super::process::{self, Exit};
 use super::status::Status;
@@ -62,14 +62,12 @@ fn prepare(command: &mut Command, scratch: &Path, pair: &Pair<'_>) -> Result<Pat
     }
     let failed = |problem: String| Status::NotReady { message: problem };
     let out = scratch.join("out");
-    if out.exists() {
-        fs::remove_dir_all(&out)
-            .map_err(|error| failed(format!("{} cannot be emptied: {error}", out.display())))?;
-    }
+    exchange::remove(&out).map_err(|error| failed(error.to_string()))?;
     fs::create_dir(&out)
         .map_err(|error| failed(format!("{} cannot be made: {error}", out.display())))?;
     for (name, image) in [("im0.png", pair.left), ("im1.png", pair.right)] {
         let path = scratch.join(name);
+        exchange::remove(&path).map_err(|error| failed(error.to_string()))?;
         write_image(&path, image).map_err(|error| failed(error.to_string()))?;
         command.arg(path);
     }

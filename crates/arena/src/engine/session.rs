@@ -1,9 +1,8 @@
 //! One engine process from its start to its end.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
 use super::limits::Limits;
@@ -22,11 +21,11 @@ const FAREWELL: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub struct Session {
     child: Child,
-    stdin: Option<ChildStdin>,
+    /// Lines for its standard input, which closes when this goes.
+    told: Option<Sender<String>>,
     heard: Receiver<Heard>,
     stderr_closed: Receiver<()>,
     log: Log,
-    scratch: PathBuf,
     ready: Ready,
     startup: Usage,
     claimed_seconds: Option<f64>,
@@ -53,19 +52,18 @@ impl Session {
         let log = Log::default();
         let (stdin, stdout, stderr) =
             (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let (Some(stdout), Some(stderr)) = (stdout, stderr) else {
-            unreachable!("both streams were asked for as pipes")
+        let (Some(stdin), Some(stdout), Some(stderr)) = (stdin, stdout, stderr) else {
+            unreachable!("all streams were asked for as pipes")
         };
         let mut session = Self {
             stderr_closed: talk::listen_to_log(stderr, log.clone()),
             heard: talk::listen(stdout, log.clone()),
-            scratch: scratch.to_owned(),
             ready: Ready::default(),
             startup: Usage::default(),
             claimed_seconds: None,
             exited: false,
             child,
-            stdin,
+            told: Some(talk::tell(stdin)),
             log,
             limits,
         };
@@ -106,11 +104,6 @@ impl Session {
     /// How long its last answer says that the matching alone took, in seconds.
     pub fn claimed_seconds(&self) -> Option<f64> {
         self.claimed_seconds
-    }
-
-    /// The folder that belongs to the engine.
-    pub fn scratch(&self) -> &Path {
-        &self.scratch
     }
 
     /// What the engine said besides messages, on both of its streams; the last 16 KiB. While it
@@ -167,6 +160,14 @@ impl Session {
 
     fn exchange(&mut self, job: &Job, meter: &mut Meter) -> Result<Status, Status> {
         self.claimed_seconds = None;
+        match self.heard.try_recv() {
+            Err(TryRecvError::Empty) => {}
+            Ok(Heard::Message(_) | Heard::Broken(_)) => {
+                let message = "it sent a message before it was asked for anything".into();
+                return Err(Status::ProtocolError { message });
+            }
+            Ok(Heard::Closed) | Err(TryRecvError::Disconnected) => return Err(self.crashed(meter)),
+        }
         self.send(&ToEngine::Job(job.clone()), meter)?;
         let message = self.wait_for_message(meter, self.limits.wall, self.limits.cpu)?;
         Err(Status::ProtocolError {
@@ -208,11 +209,8 @@ impl Session {
             );
             return Err(Status::ProtocolError { message });
         }
-        let sent = match &mut self.stdin {
-            Some(stdin) => stdin.write_all(line.as_bytes()).and_then(|()| stdin.flush()),
-            None => Err(std::io::ErrorKind::BrokenPipe.into()),
-        };
-        sent.map_err(|_| self.crashed(meter))
+        let sent = self.told.as_ref().is_some_and(|told| told.send(line).is_ok());
+        if sent { Ok(()) } else { Err(self.crashed(meter)) }
     }
 
     /// The next message, or the status that ends the wait.
@@ -261,7 +259,7 @@ impl Session {
 
     /// Asks the engine to end, waits two seconds for it, and kills what is left.
     pub fn end(mut self) {
-        self.stdin = None;
+        self.told = None;
         process::wait_for_exit(&mut self.child, FAREWELL);
     }
 
@@ -271,7 +269,7 @@ impl Session {
             return None;
         }
         self.exited = true;
-        self.stdin = None;
+        self.told = None;
         process::kill_group(&mut self.child)
     }
 }

@@ -1,11 +1,11 @@
-//! Listens to a process: messages to whoever waits for them, everything else into a capped log.
+//! Talks and listens to a process: messages to whoever waits for them, everything else into a capped log.
 //!
 //! The pipes are drained to the end whatever comes, so that an engine that floods its output is
 //! slowed by nothing but itself, and costs a fixed amount of memory.
 
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -75,6 +75,20 @@ pub(crate) fn listen_to_log(output: impl Read + Send + 'static, log: Log) -> Rec
         }
     });
     receiver
+}
+
+/// Starts to tell standard input whatever is sent: an engine that does not read keeps nobody waiting who has limits to
+/// watch. It is closed when the sender goes; what was not read until the process ends is lost.
+pub(crate) fn tell(mut input: impl Write + Send + 'static) -> Sender<String> {
+    let (sender, receiver) = channel::<String>();
+    thread::spawn(move || {
+        for line in receiver {
+            if input.write_all(line.as_bytes()).and_then(|()| input.flush()).is_err() {
+                break;
+            }
+        }
+    });
+    sender
 }
 
 fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>) {

@@ -46,6 +46,14 @@ pub fn read_plane<T: Element>(path: impl AsRef<Path>) -> Result<Plane<T>, Format
     plane(&Source::open(path.as_ref())?)
 }
 
+/// As [`read_plane`], for a file that is in memory already; `path` only names it in errors.
+pub fn plane_of_bytes<T: Element>(
+    path: impl AsRef<Path>,
+    bytes: Vec<u8>,
+) -> Result<Plane<T>, FormatError> {
+    plane(&Source { path: path.as_ref().to_owned(), bytes })
+}
+
 /// Writes a plane as `rows x columns` (a colour `T`: `rows x columns x 3`), whole or not at all.
 pub fn write<T: Element>(path: impl AsRef<Path>, plane: &Plane<T>) -> Result<(), FormatError> {
     write_atomically(path, |writer| encode(plane, writer))

@@ -6,6 +6,7 @@ mod middeval;
 mod middlebury;
 mod pair;
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -55,10 +56,19 @@ impl Folder {
     }
 }
 
-/// Every scene below `root`, in the order of the folders' names.
+/// Every scene below `root`, in the order of the folders' names. Errors where two would have one id.
 pub(super) fn discover(root: &Path) -> Result<Vec<Case>, DatasetError> {
     let mut cases = Vec::new();
     visit(root, String::new(), DEPTH, &mut cases)?;
+    let mut seen: HashMap<&str, &Case> = HashMap::new();
+    for case in &cases {
+        if let Some(other) = seen.insert(&case.id, case) {
+            let [one, other] =
+                [other, case].map(|case| case.files().map(|files| files.left.clone()));
+            let [one, other] = [one, other].map(Option::unwrap_or_default);
+            return Err(DatasetError::SameId { id: case.id.clone(), one, other });
+        }
+    }
     Ok(cases)
 }
 
@@ -96,7 +106,8 @@ fn read(path: &Path, name: String) -> Result<Folder, DatasetError> {
         let entry = entry.map_err(failed)?;
         let Ok(name) = entry.file_name().into_string() else { continue };
         let kind = entry.file_type().map_err(failed)?;
-        if name.starts_with('.') {
+        let is_link_to_folder = || kind.is_symlink() && entry.path().is_dir();
+        if name.starts_with('.') || is_link_to_folder() {
             continue;
         } else if kind.is_dir() {
             folders.push(name);
