@@ -27,7 +27,7 @@ const DEPTHS: Numbers = Numbers {
 /// | `.tiff`, `.tif` | metres, float32 | NaN |
 ///
 /// In a `.png` a depth below half a millimetre would round to 0 and so vanish; it is stored as 1. Depths
-/// outside `[0, 65.535]` m do not fit and are an error that names the pixel; an infinite one is an error in
+/// that would not round into `[0, 65.535]` m do not fit and are an error that names the pixel; an infinite one is an error in
 /// every format.
 pub fn write_depth(path: impl AsRef<Path>, metres: &Plane<f32>) -> Result<(), FormatError> {
     DEPTHS.write(path.as_ref(), metres)

@@ -91,7 +91,7 @@ impl World {
             let direction = view - hit.normal * (2.0 * view.dot(hit.normal));
             let mirrored = Ray { origin: hit.point + hit.normal * clearance(&hit), direction };
             let facing = 1.0 + view.dot(hit.normal);
-            // Schlick's approximation (1994): glancing rays are mirrored most.
+            // Glancing rays are mirrored most, after Schlick (1994), with a third power instead of his fifth.
             let share = hit.material.mirror * (0.15 + 0.85 * facing * facing * facing);
             let seen = match self.hit(&mirrored, 0.0) {
                 Some(other) => {

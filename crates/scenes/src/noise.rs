@@ -5,7 +5,7 @@
 //! the noise does not repeat. Octaves finer than the `footprint` of a pixel are faded out, so that
 //! both cameras see the same surface instead of two different aliases of it.
 
-use crate::number::smoothstep;
+use crate::number::{mix, smoothstep};
 use crate::random::key;
 use crate::vector::{Vector, vector};
 
@@ -47,11 +47,6 @@ fn whole(x: f64) -> i64 {
 #[inline]
 fn quintic(t: f64) -> f64 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
-
-#[inline]
-fn mix(a: f64, b: f64, t: f64) -> f64 {
-    a + (b - a) * t
 }
 
 /// Gradient noise with features about one unit wide: 0 at whole-numbered points, mean 0,

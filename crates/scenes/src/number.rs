@@ -18,6 +18,12 @@ pub(crate) fn greatest(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+/// From `a` at 0 to `b` at 1.
+#[inline]
+pub(crate) fn mix(a: f64, b: f64, t: f64) -> f64 {
+    a + (b - a) * t
+}
+
 /// 0 up to `from`, 1 past `to`, and between them the cubic whose ends are flat.
 #[inline]
 pub(crate) fn smoothstep(from: f64, to: f64, x: f64) -> f64 {

@@ -54,9 +54,11 @@ pub struct Scene {
     pub thin: Plane<bool>,
     /// Left pixels of surfaces whose texture repeats: stripes, checks, dots, windows.
     pub repeated: Plane<bool>,
-    /// The disparities to search: no truth lies outside.
+    /// The disparities to search: no truth lies outside, but some of the right view's where a
+    /// [`Kind::Plane`](crate::Kind::Plane) is steep.
     pub range: DisparityRange,
-    /// The cameras, or `None` when both stand at one place (a range of one disparity).
+    /// The cameras, or `None` when both stand at one place (a range of one disparity; a plane is always
+    /// seen from two).
     pub camera: Option<StereoCamera>,
 }
 

@@ -42,7 +42,7 @@ pub struct Settings {
     /// Height of both images in pixels, 1 to 16384; at most 64 Mi pixels in all.
     pub rows: usize,
     /// Disparity of points at infinity, in pixels, -8192 to 8192: the right camera's principal
-    /// point is shifted by as much.
+    /// point is shifted by as much. For a [`Kind::Plane`], which has cameras of its own, only a bound.
     pub min_disparity: i32,
     /// No visible point has a larger disparity, in pixels; from `min_disparity` to 8192. The
     /// baseline follows from it. With both equal, the two cameras stand at one place.

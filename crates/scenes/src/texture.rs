@@ -6,7 +6,7 @@
 //! wave, noise by dropping octaves.
 
 use crate::noise::{fractal, gradient, resolved};
-use crate::number::{greatest, least, smoothstep};
+use crate::number::{greatest, least, mix, smoothstep};
 use crate::random::{hash, salt, unit};
 use crate::vector::{Vector, vector};
 
@@ -218,7 +218,7 @@ impl Pattern {
     }
 }
 
-/// 1 on bare soil, less on the pebble that every third cell of a grid in x and y holds.
+/// 1 on bare soil, less on the pebble that every fourth cell of a grid in x and y holds.
 fn pebble(p: Vector, pitch: f64, footprint: f64, seed: u64) -> f64 {
     let left = resolved(0.3 * pitch, footprint);
     if left == 0.0 {
@@ -236,11 +236,6 @@ fn pebble(p: Vector, pitch: f64, footprint: f64, seed: u64) -> f64 {
     let distance = (dx * dx + dy * dy).sqrt() / radius;
     let cover = 1.0 - smoothstep(0.7, 1.1, distance);
     1.0 - left * cover * (0.15 + 0.5 * part(32))
-}
-
-#[inline]
-fn mix(a: f64, b: f64, t: f64) -> f64 {
-    a + (b - a) * t
 }
 
 #[cfg(test)]

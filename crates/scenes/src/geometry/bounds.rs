@@ -2,7 +2,7 @@
 
 use super::Ray;
 use crate::number::{greatest, least};
-use crate::vector::{Vector, vector};
+use crate::vector::{Frame, Vector, vector};
 
 /// Everything between two corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +44,12 @@ impl Bounds {
     /// The box around a point, `reach` to both sides along each axis.
     pub fn around(centre: Vector, reach: Vector) -> Self {
         Self { corners: [centre - reach, centre + reach] }
+    }
+
+    /// The box around one that is turned, `half` to both sides along each axis of its own.
+    pub fn around_turned(centre: Vector, own: Frame, half: Vector) -> Self {
+        let along = |axis: Vector, h: f64| vector(axis.x.abs(), axis.y.abs(), axis.z.abs()) * h;
+        Self::around(centre, along(own.x, half.x) + along(own.y, half.y) + along(own.z, half.z))
     }
 
     /// The corner with the smallest coordinates.

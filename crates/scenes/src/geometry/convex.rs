@@ -92,10 +92,7 @@ impl Convex {
     }
 
     pub fn bounds(&self) -> Bounds {
-        let f = self.frame;
-        let along = |axis: Vector, h: f64| vector(axis.x.abs(), axis.y.abs(), axis.z.abs()) * h;
-        let reach = along(f.x, self.half.x) + along(f.y, self.half.y) + along(f.z, self.half.z);
-        Bounds::around(self.centre, reach)
+        Bounds::around_turned(self.centre, self.frame, self.half)
     }
 }
 

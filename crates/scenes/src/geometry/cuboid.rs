@@ -1,7 +1,7 @@
 //! Boxes, turned any way.
 
 use super::{Bounds, Meeting, Ray, Shape, Surface};
-use crate::vector::{Frame, Vector, vector};
+use crate::vector::{Frame, Vector};
 
 /// A box with six right-angled faces.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,10 +62,7 @@ impl Cuboid {
     }
 
     pub fn bounds(&self) -> Bounds {
-        let f = self.frame;
-        let along = |axis: Vector, h: f64| vector(axis.x.abs(), axis.y.abs(), axis.z.abs()) * h;
-        let reach = along(f.x, self.half.x) + along(f.y, self.half.y) + along(f.z, self.half.z);
-        Bounds::around(self.centre, reach)
+        Bounds::around_turned(self.centre, self.frame, self.half)
     }
 }
 

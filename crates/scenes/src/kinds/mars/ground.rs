@@ -77,7 +77,7 @@ pub(super) fn rocks(builder: &mut Builder, ground: &Terrain) {
         // From 2.4 m to 70 m.
         let ahead = 2.4 * power(29.0, random.unit());
         let across = random.between(-1.0, 1.0) * (0.75 * ahead + 0.5);
-        // Three pixels of a 450-pixel image, and up to thirty times as much.
+        // Three pixels of a 450-pixel image, and up to ninety times as much, but hardly more than a metre.
         let smallest = 3.0 / 382.0 * ahead;
         let size = smallest * power(greatest(random.unit(), 1e-3), -0.65);
         let size = if size > 1.1 { 1.1 * random.between(0.5, 1.0) } else { size };

@@ -4,7 +4,7 @@
 //! slanted; windows, bollards, railings and lane marks repeat; lamp posts, signs and wires are
 //! thin; windscreens and shop windows mirror what is around them; and the sky is at infinity, where
 //! the disparity is the smallest of the range. The largest disparity is just before the place where
-//! the road enters the image: about 3 m at 450 x 375, where the baseline is 0.53 m. Axes: x to the
+//! the road enters the image: about 3 m at 450 x 375, where the baseline is 0.52 m. Axes: x to the
 //! right, y ahead, z up, the origin on the road below the left camera.
 
 mod buildings;
