@@ -91,6 +91,15 @@ fn two_engines_are_scored_and_compared() {
     assert!(lines[2].starts_with("                noc      2.89  0.3333     33.33"), "{text}");
     assert_eq!(lines.len(), 1 + 8);
 
+    let bad2 = report::bad2_table(&records).to_markdown();
+    assert!(bad2.contains("| a/one | 25.00 | 33.33 | 50.00 | 66.67 |"), "{bad2}");
+    let regions = report::regions_table(&records).to_markdown();
+    assert!(regions.contains("| a/one | mine | 25.00 | 33.33 | 0.00 |"), "{regions}");
+    let csv = report::scores_table(&records).to_csv();
+    let column = csv.lines().next().unwrap().split(',').position(|name| name == "avgerr").unwrap();
+    // One pixel of four is off by 5: by 1.25 in the mean, 2.5 in the rms.
+    assert_eq!(csv.lines().nth(1).unwrap().split(',').nth(column), Some("1.25"), "{csv}");
+
     let summaries = report::summaries(&records, Some("other"));
     let families: Vec<_> = summaries.iter().map(|s| (&s.family[..], &s.engine[..])).collect();
     let expected = ["a", "b", "overall"].map(|family| [(family, "mine"), (family, "other")]);

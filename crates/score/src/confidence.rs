@@ -200,6 +200,15 @@ mod tests {
     }
 
     #[test]
+    fn of_many_pixels_a_hundred_parts_are_kept_none_of_them_less_than_its_share() {
+        let errors: Vec<f32> = (0..250).map(|i| i as f32).collect();
+        let got = of(&errors, &vec![0.5; 250], RankedError::EndPoint);
+        assert_eq!(got.curve.len(), 100);
+        let kept = [0, 1, 99].map(|i| got.curve[i].density * 250.0);
+        assert_eq!(kept, [3.0, 5.0, 250.0]);
+    }
+
+    #[test]
     fn the_best_ranking_has_no_ause_and_the_worst_the_most() {
         let errors = [0.0, 1.0, 2.0, 5.0];
         let best = of(&errors, &[4.0, 3.0, 2.0, 1.0], RankedError::Bad(1.0));

@@ -42,6 +42,13 @@ mod tests {
         let seen = non_occluded(&left, &right, SAME_SURFACE);
         assert_eq!(seen.samples(), [true, false, false, true, true, true, true, false]);
 
+        // Between two pixels the nearer one counts: column 3 less 1.4 lands at 2, less 1.6 at 1.
+        let right = line(&[0.0, 1.6, 1.4, 9.0]);
+        for (d, lands) in [(1.4, 2), (1.6, 1)] {
+            let left = line(&[0.0, 0.0, 0.0, d]);
+            assert!(non_occluded(&left, &right, 0.1).samples()[3], "at {lands}");
+        }
+
         for outside in [1.0, -1.0] {
             let plane = line(&[outside]);
             assert_eq!(non_occluded(&plane, &plane, SAME_SURFACE).samples(), [false]);

@@ -55,6 +55,12 @@ mod tests {
     }
 
     #[test]
+    fn holes_do_not_speak_for_the_scale() {
+        let sparse = |d: f32| if d < 35.0 { f32::NAN } else { 4.0 * d };
+        assert_eq!(suspicion(sparse), Some(4.0));
+    }
+
+    #[test]
     fn a_bad_matcher_is_not_taken_for_a_factor() {
         assert_eq!(suspicion(|d| d), None);
         assert_eq!(suspicion(|d| d + 40.0), None);
