@@ -126,6 +126,8 @@ fn grouped(command: &clap::Command) -> String {
 
 /// Reads the command line, runs the command, says what went wrong.
 pub fn main() -> ExitCode {
+    #[cfg(unix)]
+    outlive_full_files();
     let cli = match command().try_get_matches().and_then(|m| from_matches(&m)) {
         Ok(cli) => cli,
         Err(usage) => {
@@ -142,6 +144,14 @@ pub fn main() -> ExitCode {
             ERROR.into()
         }
     }
+}
+
+/// A file that may grow no more (`ulimit -f`) is an error of whoever writes it, who then takes away what there is of
+/// it. Unheard, the signal would end the process before. Programs that are started from here do not inherit that.
+#[cfg(unix)]
+fn outlive_full_files() {
+    // Where it cannot be heard, all is as if nobody had tried.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
 fn from_matches(matches: &clap::ArgMatches) -> Result<Cli, clap::Error> {

@@ -198,16 +198,19 @@ fn read_plane<T: npy::Element>(
     }
     // The engine lives on and may put something else in its place: what counts is what was opened.
     let file = open(path).map_err(cannot)?;
-    if !file.metadata().map_err(cannot)?.is_file() {
+    let found = file.metadata().map_err(cannot)?;
+    if !found.is_file() {
         return Err(format!("{name} is no regular file (links are not followed)"));
     }
     let pixels = job.columns as u64 * job.rows as u64;
     let limit = pixels * size_of::<T>() as u64 + HEADER_LIMIT;
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(cannot)?;
-    if bytes.len() as u64 > limit {
+    // It may have grown meanwhile.
+    let length = found.len().max(bytes.len() as u64);
+    if length > limit {
         return Err(format!(
-            "{name} has more than the {limit} bytes that the {what} of {} x {} pixels takes at most: write {} \
+            "{name} has {length} bytes, but the {what} of {} x {} pixels takes at most {limit}: write {} \
              of shape ({}, {})",
             job.columns,
             job.rows,

@@ -29,7 +29,7 @@ pub(crate) struct Finished {
 }
 
 /// Runs the program on one pair. Everything of the process counts, its start included, since the
-/// convention knows no other moment.
+/// convention knows no other moment. Of one that ends before it is first looked at the memory is not known.
 pub(crate) fn run(
     mut command: Command,
     scratch: &Path,
