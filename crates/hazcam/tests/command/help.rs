@@ -61,6 +61,8 @@ fn every_shell_gets_its_completions() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let outcome = folder.run(&format!("completions {shell}")).done();
         assert!(outcome.stdout.contains("max-disparity"), "{shell}");
+        assert!(outcome.stdout.contains("version"), "{shell}");
+        assert!(!outcome.stdout.contains("sandbox-exec"), "{shell}");
     }
 }
 

@@ -29,7 +29,7 @@ The format of OUT follows its extension:
   .pfm   float32, infinity where there is no disparity (Middlebury, ETH3D)
   .npy   float32, NaN where there is none (NumPy)
   .tiff  float32, NaN where there is none
-  .png   16 bit, 256 d, 0 where there is none (KITTI): 0 to below 256 pixels
+  .png   16 bit, 256 d, 0 where there is none (KITTI): 0 to below 256 pixels; less than 1/512 is 1/256
 OUT.json beside it records version, options, the inputs' SHA-256, times, the vertical disparity that
 was mended, and the share of pixels per reason. On an error nothing is written.
 Things stood lower in the right image by constant + x X + y Y + xy X Y + yy Y^2 pixels, where X is
