@@ -26,9 +26,10 @@ const DEPTHS: Numbers = Numbers {
 /// | `.png` | 16-bit grey, millimetres (as ROS REP 118 has it) | 0 |
 /// | `.tiff`, `.tif` | metres, float32 | NaN |
 ///
-/// In a `.png` a depth below half a millimetre would round to 0 and so vanish; it is stored as 1. Depths
-/// that would not round into `[0, 65.535]` m do not fit and are an error that names the pixel; an infinite one is an error in
-/// every format.
+/// In a `.png` a depth below half a millimetre would round to 0 and so vanish; it is stored as 1.
+///
+/// Errors: as [`write_disparity`](crate::write_disparity), for depths in a `.png` that would not round into
+/// `[0, 65.535]` m.
 pub fn write_depth(path: impl AsRef<Path>, metres: &Plane<f32>) -> Result<(), FormatError> {
     DEPTHS.write(path.as_ref(), metres)
 }

@@ -25,6 +25,9 @@ pub struct ReadDisparity {
 /// taken for KITTI's (/ 256), 8-bit grey and arrays of int16 for whole disparities (/ 1), and the note says so,
 /// because a map read at the wrong scale looks right and scores as almost all wrong. Any other
 /// encoding is a demand: a file of another kind is an error.
+///
+/// Errors: [`FormatError::Read`], [`FormatError::WrongKind`] for a file that holds no disparities or not so encoded,
+/// [`FormatError::Malformed`] and [`FormatError::TooLarge`] as the readers of its format.
 pub fn read_disparity(
     path: impl AsRef<Path>,
     encoding: Encoding,
@@ -181,9 +184,11 @@ const DISPARITIES: Numbers = Numbers {
 ///
 /// In a `.png` a disparity below 1/512 would round to 0 and so vanish; it is stored as 1, that is
 /// 1/256 pixel, as KITTI's own tools do. Any other is off by at most 1/512 pixel (above 255.998 by
-/// less than 1/256, since 65535 is the last sample). Disparities outside `[0, 256)` do not fit and
-/// are an error that names the pixel.
-/// An infinite value is an error in every format, because it is neither a disparity nor "no value".
+/// less than 1/256, since 65535 is the last sample).
+///
+/// Errors: [`FormatError::UnknownExtension`], [`FormatError::Unrepresentable`], which names the pixel, for disparities
+/// outside `[0, 256)` in a `.png` and for infinite ones in every format, since these are neither disparities nor "no
+/// value", and [`FormatError::Write`], also for a map without pixels.
 pub fn write_disparity(path: impl AsRef<Path>, values: &Plane<f32>) -> Result<(), FormatError> {
     DISPARITIES.write(path.as_ref(), values)
 }

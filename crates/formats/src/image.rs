@@ -62,6 +62,9 @@ pub(crate) fn decode(source: &Source, container: Container) -> Result<Decoded, F
 
 /// Writes a picture whole or not at all, its format by extension: `.png`, or `.pgm` (grey) and
 /// `.ppm` (colour), all 8 or 16 bit as the picture is.
+///
+/// Errors: [`FormatError::UnknownExtension`], and [`FormatError::Write`], also for a picture without pixels and for
+/// colour in a `.pgm` or grey in a `.ppm`.
 pub fn write_image(path: impl AsRef<Path>, image: &Image) -> Result<(), FormatError> {
     let path = path.as_ref();
     if image.columns() == 0 || image.rows() == 0 {

@@ -55,6 +55,8 @@ pub fn plane_of_bytes<T: Element>(
 }
 
 /// Writes a plane as `rows x columns` (a colour `T`: `rows x columns x 3`), whole or not at all.
+///
+/// Errors: [`FormatError::Write`].
 pub fn write<T: Element>(path: impl AsRef<Path>, plane: &Plane<T>) -> Result<(), FormatError> {
     write_atomically(path, |writer| encode(plane, writer))
 }

@@ -42,6 +42,8 @@ pub struct SizesDiffer {
 }
 
 /// Writes a picture as PNG, whatever the extension, whole or not at all.
+///
+/// Errors: [`FormatError::Write`].
 pub fn write_png_rgb(path: impl AsRef<Path>, picture: &Plane<[u8; 3]>) -> Result<(), FormatError> {
     write_atomically(path, |writer| png::encode_rgb(picture, writer))
 }
