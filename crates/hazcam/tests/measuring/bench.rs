@@ -61,14 +61,20 @@ fn anybodys_engine_takes_part_and_its_crash_is_a_row() {
     let absent = r#"echo '{"hazcam":"absent","message":"no licence"}'"#;
     let absent = format!("name = 'shy'\ncommand = ['/bin/sh', '-c', '''{absent}''']");
     fs::write(engines.join("shy.toml"), absent).unwrap();
-    let arguments = ["bench", "--data", "data", "--engines", "engines", "--engine", "crash,shy"];
-    let (stdout, stderr) = run(folder.path(), &[&arguments[..], &["-m", "fast"]].concat(), 0);
+    let arguments = ["bench", "--data", "data", "--engines", "engines", "-m", "fast", "--engine"];
+    let (stdout, stderr) = run(folder.path(), &[&arguments[..], &["cras?,sh*"]].concat(), 0);
     assert!(stdout.contains("crashed"), "{stdout}");
     assert!(
         stdout.contains("walls/near, crash: crashed: it exited with status 3 without an answer")
     );
     assert!(stdout.contains("fast     all"), "{stdout}");
     assert!(stderr.contains("shy left out: no licence"), "{stderr}");
+    // Who calls for one by its name wants its answers.
+    let (_, stderr) = run(folder.path(), &[&arguments[..], &["crash,shy"]].concat(), 2);
+    for name in ["crash", "shy"] {
+        let words = format!("{name} was asked for and has given no answer on any scene");
+        assert!(stderr.contains(&words), "{stderr}");
+    }
 }
 
 #[test]
