@@ -128,12 +128,24 @@ fn what_is_said_before_a_job_is_a_protocol_error() {
     let scratch = tempfile::tempdir().unwrap();
     let mut session = Session::start(shell(&script), scratch.path(), limits()).unwrap();
     assert_eq!(session.run(&job(1, scratch.path())).0, Status::Done);
-    while !scratch.path().join("told").exists() {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    std::thread::sleep(Duration::from_millis(100));
+    let told = (0..600).any(|_| {
+        std::thread::sleep(Duration::from_millis(100));
+        scratch.path().join("told").exists()
+    });
+    assert!(told, "the engine says both at once");
+    // Whoever listens may still be at it.
+    std::thread::sleep(Duration::from_secs(1));
     let text = session.run(&job(2, scratch.path())).0.to_string();
     assert!(text.contains("before it was asked"), "{text}");
+}
+
+#[test]
+fn an_engine_that_closes_its_ears_has_crashed() {
+    let scratch = tempfile::tempdir().unwrap();
+    let command = shell(&format!("exec 0<&-; {READY} sleep 600"));
+    let mut session = Session::start(command, scratch.path(), limits()).unwrap();
+    let (status, _) = session.run(&job(1, scratch.path()));
+    assert!(matches!(status, Status::Crashed { .. }), "{status}");
 }
 
 #[test]

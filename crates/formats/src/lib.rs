@@ -21,7 +21,7 @@
 //! | format | [`Encoding`] | sample | no value | written |
 //! | --- | --- | --- | --- | --- |
 //! | PFM (Middlebury, ETH3D) | `pfm` | float32, bottom row first, byte order by the scale's sign | `INF`, NaN | `.pfm`, `+INF` |
-//! | NumPy | `npy` | any number but complex ones, `rows x columns` | infinite, NaN | `.npy`, float32, NaN |
+//! | NumPy | `npy` | bool, integers, float16 to float64, `rows x columns` | infinite, NaN | `.npy`, float32, NaN |
 //! | KITTI | `png16/256` | uint16 / 256 | 0 | `.png`, 0 |
 //! | Middlebury 2003 (Cones, Teddy) | `png8/4` | uint8 / 4 | 0 | no |
 //! | Middlebury 2005 and 2006 | `png8/3`, `png8/2`, `png8/1` at third, half, full size | uint8 / 3, / 2, / 1 | 0 | no |

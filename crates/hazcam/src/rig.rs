@@ -82,8 +82,8 @@ fn calibrated(
     let stated = (calibration.width.unwrap_or(size.0), calibration.height.unwrap_or(size.1));
     if stated != size {
         bail!(
-            "{} is for images of {} x {}, but the map is {} x {}: of a map at another scale give --focal, --baseline, \
-             --doffs and --principal at that scale",
+            "{} is for images of {} x {}, but the map is {} x {}: of a map at another scale give \
+             --focal, --baseline, --doffs and --principal at that scale",
             path.display(),
             stated.0,
             stated.1,
@@ -92,11 +92,12 @@ fn calibrated(
         );
     }
     if calibration.layout == CalibrationLayout::OpenCv {
+        let StereoCamera { focal_px, baseline_m, doffs, cx, cy } = calibration.camera;
         ui.note(format_args!(
-            "{}: the baseline of {} is taken as metres; OpenCV has it in the unit of the board's squares: if that was \
-             another one, give --focal and --baseline",
-            path.display(),
-            calibration.camera.baseline_m
+            "{}: the baseline of {baseline_m} is taken as metres; OpenCV has it in the unit of the \
+             board's squares: if that was another one, give --focal {focal_px} --baseline METRES \
+             --doffs {doffs} --principal {cx},{cy}",
+            path.display()
         ));
     }
     Ok(match image {

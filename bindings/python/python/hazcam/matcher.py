@@ -78,7 +78,7 @@ class Matcher:
             "threads": threads,
             "memory": memory,
             "holes": holes,
-            "without": without,
+            "without": tuple(without),
         }
 
     def compute(self, left: Image, right: Image, box: ArrayLike | None = None) -> DisparityMap:

@@ -64,6 +64,9 @@ def read_calibration(
 ) -> StereoCamera:
     """The cameras of a calibration file of Middlebury, ETH3D, KITTI or OpenCV.
 
+    OpenCV's YAML does not say in which unit its baseline is: that of the squares of the board that
+    was calibrated with. It is taken as metres.
+
     KITTI's files hold a grey and a colour pair, whose baselines differ: by the folder of the
     ``left`` image (``image_2`` is colour) the right one is taken. A calibration is that of images
     of one size.

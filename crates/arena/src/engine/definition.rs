@@ -112,10 +112,11 @@ impl Definition {
             )));
         }
         let name = definition.name.as_str();
-        if ["left", "truth"].contains(&name) || name.ends_with("-error") {
+        if OTHERS.contains(&name) || name.ends_with("-error") {
             return Err(invalid(format!(
-                "the name `{name}` is that of another picture beside those of engines: `left`, `truth` and what ends \
-                 in `-error` cannot be names"
+                "the name `{name}` is that of another picture beside those of engines: {} and what \
+                 ends in `-error` cannot be names",
+                OTHERS.join(", ")
             )));
         }
         if definition.command.first().is_none_or(String::is_empty) {
@@ -124,6 +125,9 @@ impl Definition {
         Ok(definition)
     }
 }
+
+/// Pictures of a scene lie beside those of engines, which are called as these are.
+const OTHERS: [&str; 5] = ["left", "truth", "im0", "im1", "mask0nocc"];
 
 /// The embedded definitions, in the order of tables.
 const BUILT_IN: &[(&str, &str)] = &[
@@ -241,6 +245,7 @@ mod tests {
             ("name = 'x'\ncommand = []", "must name a program"),
             ("name = '../x'\ncommand = ['x']", "`../x` must consist of"),
             ("name = 'truth'\ncommand = ['x']", "that of another picture"),
+            ("name = 'im1'\ncommand = ['x']", "that of another picture"),
             ("name = 'x-error'\ncommand = ['x']", "that of another picture"),
             ("name = 'x'\ncommand = ['x']\ncolour = true", "unknown field `colour`"),
             ("name = 'x'\ncommand = ['x']\nkind = 'magic'", "unknown variant `magic`"),

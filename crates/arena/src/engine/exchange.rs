@@ -210,8 +210,8 @@ fn read_plane<T: npy::Element>(
     let length = found.len().max(bytes.len() as u64);
     if length > limit {
         return Err(format!(
-            "{name} has {length} bytes, but the {what} of {} x {} pixels takes at most {limit}: write {} \
-             of shape ({}, {})",
+            "{name} has {length} bytes, but the {what} of {} x {} pixels takes at most {limit}: \
+             write {} of shape ({}, {})",
             job.columns,
             job.rows,
             T::DTYPE,

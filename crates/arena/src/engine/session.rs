@@ -2,6 +2,8 @@
 
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -23,6 +25,8 @@ pub struct Session {
     child: Child,
     /// Lines for its standard input, which closes when this goes.
     told: Option<Sender<String>>,
+    /// Whether it has closed that itself.
+    deaf: Arc<AtomicBool>,
     heard: Receiver<Heard>,
     stderr_closed: Receiver<()>,
     log: Log,
@@ -55,6 +59,7 @@ impl Session {
         let (Some(stdin), Some(stdout), Some(stderr)) = (stdin, stdout, stderr) else {
             unreachable!("all streams were asked for as pipes")
         };
+        let (told, deaf) = talk::tell(stdin);
         let mut session = Self {
             stderr_closed: talk::listen_to_log(stderr, log.clone()),
             heard: talk::listen(stdout, log.clone()),
@@ -63,7 +68,8 @@ impl Session {
             claimed_seconds: None,
             exited: false,
             child,
-            told: Some(talk::tell(stdin)),
+            told: Some(told),
+            deaf,
             log,
             limits,
         };
@@ -240,6 +246,9 @@ impl Session {
             if let Some(status) = Status::past_limit(&usage, wall, cpu) {
                 return Err(status);
             }
+            if self.deaf.load(Ordering::Relaxed) {
+                return Err(self.crashed(meter));
+            }
             last_look = process::has_exited(&mut self.child);
         }
     }
@@ -250,7 +259,7 @@ impl Session {
         meter.sample();
         let how = match self.kill() {
             Some(status) if exited => Exit(status).to_string(),
-            _ => "it closed its standard output without an answer".into(),
+            _ => "it closed its standard input or output without an answer".into(),
         };
         // Its last words may still be on their way through the pipe.
         let _ = self.stderr_closed.recv_timeout(PATIENCE);

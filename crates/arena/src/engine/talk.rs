@@ -5,6 +5,7 @@
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -78,17 +79,21 @@ pub(crate) fn listen_to_log(output: impl Read + Send + 'static, log: Log) -> Rec
 }
 
 /// Starts to tell standard input whatever is sent: an engine that does not read keeps nobody waiting who has limits to
-/// watch. It is closed when the sender goes; what was not read until the process ends is lost.
-pub(crate) fn tell(mut input: impl Write + Send + 'static) -> Sender<String> {
+/// watch. It is closed when the sender goes; what was not read until the process ends is lost. The flag is set where
+/// nobody can read any more.
+pub(crate) fn tell(mut input: impl Write + Send + 'static) -> (Sender<String>, Arc<AtomicBool>) {
     let (sender, receiver) = channel::<String>();
+    let deaf = Arc::new(AtomicBool::new(false));
+    let is_deaf = deaf.clone();
     thread::spawn(move || {
         for line in receiver {
             if input.write_all(line.as_bytes()).and_then(|()| input.flush()).is_err() {
+                is_deaf.store(true, Ordering::Relaxed);
                 break;
             }
         }
     });
-    sender
+    (sender, deaf)
 }
 
 fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>) {

@@ -119,6 +119,8 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
         Ok(text) if text.len() <= LONGEST => text,
         _ => return Err(source.wrong_kind("no short text", needed)),
     };
+    // Some editors begin a text with a mark that is none of its letters.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if opencv::is_opencv(text) {
         return opencv::parse(source, text);
     }
@@ -149,11 +151,9 @@ struct Entry<'a> {
 
 impl<'a> Entries<'a> {
     fn of(source: &'a Source, text: &'a str) -> Self {
-        // Some editors begin a text with a mark that is none of its letters.
-        let body = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut at = (text.len() - body.len()) as u64;
+        let mut at = (source.bytes.len() - text.len()) as u64;
         let mut entries = Vec::new();
-        for line in body.split_inclusive('\n') {
+        for line in text.split_inclusive('\n') {
             if let Some((key, value)) = line.split_once(['=', ':']) {
                 entries.push(Entry { key: key.trim(), value: value.trim(), at });
             }

@@ -4,6 +4,7 @@
 //! squares that the cameras were calibrated with.
 
 use serde::Deserialize;
+use serde_saphyr::UserMessageFormatter;
 
 use super::{Calibration, CalibrationLayout, Entries};
 use crate::FormatError;
@@ -36,11 +37,16 @@ pub(super) fn is_opencv(text: &str) -> bool {
 /// The pair of `P1` and `P2`.
 pub(super) fn parse(source: &Source, text: &str) -> Result<Calibration, FormatError> {
     let entries = Entries { source, entries: Vec::new() };
-    let body = text.split_once('\n').map_or("", |(_, body)| body);
-    let storage: Storage = serde_saphyr::from_str(body).map_err(|error| {
-        let error = error.to_string();
-        let what = error.lines().next().unwrap_or_default();
-        entries.fail(None, format!("the YAML cannot be read: {what}, the first line not counted"))
+    // From the end of the first line on, so that lines are counted right.
+    let body = &text[text.find('\n').unwrap_or(text.len())..];
+    // What is not finite may stand elsewhere; no camera is made of it.
+    let options = serde_saphyr::options! {
+        non_finite_float_policy: serde_saphyr::NonFiniteFloatPolicy::PassThrough,
+    };
+    let storage: Storage = serde_saphyr::from_str_with_options(body, options).map_err(|error| {
+        let what = error.without_snippet().render_with_formatter(&UserMessageFormatter);
+        let what = what.lines().next().unwrap_or_default();
+        entries.fail(None, format!("the YAML cannot be read: {what}"))
     })?;
     let (Some(left), Some(right)) = (storage.left, storage.right) else {
         let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
@@ -96,10 +102,11 @@ mod tests {
 
     /// As OpenCV 4 writes it; f = 700, 0.12 apart.
     const SAMPLE: &str = "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
-        data: [ 705., 0., 322., 0., 706., 241., 0.,\n       0., 1. ]\nP1: !!opencv-matrix\n   rows: 3\n   \
-        cols: 4\n   dt: d\n   data: [ 700., 0., 320.5, 0., 0., 7.0000000000000000e+02, 240., 0., 0., 0., 1., 0. ]\n\
-        P2: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 700., 0., 324.5, -84., 0., 700., 240., 0.,\n       \
-        0., 0., 1., 0. ]\nnote: \"a b\"\n";
+        data: [ 705., 0., 322., 0., 706., 241., 0.,\n       0., 1. ]\n\
+        P1: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   \
+        data: [ 700., 0., 320.5, 0., 0., 7.0000000000000000e+02, 240., 0., 0., 0., 1., 0. ]\n\
+        P2: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   \
+        data: [ 700., 0., 324.5, -84., 0., 700., 240., 0.,\n       0., 0., 1., 0. ]\nnote: \"a b\"\n";
 
     #[test]
     fn the_matrices_of_stereo_rectify_are_a_camera() {
@@ -144,5 +151,18 @@ mod tests {
                 .collect::<String>()
         );
         assert!(read(&bomb).is_err());
+        // Line 8 of the file is that of P1.
+        let error = read(&SAMPLE.replace("P1: ", "P1: [")).unwrap_err();
+        assert!(error.contains("line"), "{error}");
+    }
+
+    #[test]
+    fn what_else_is_in_the_file_does_not_matter() {
+        let other = SAMPLE.replace("[ 705.,", "[ .Inf,");
+        for text in [other.replace("706.", "-.Nan"), format!("\u{feff}{SAMPLE}")] {
+            assert_eq!(read(&text).unwrap().camera, read(SAMPLE).unwrap().camera);
+        }
+        let error = read(&SAMPLE.replace("324.5, -84.", "324.5, -.Inf")).unwrap_err();
+        assert!(error.contains("baseline"), "{error}");
     }
 }

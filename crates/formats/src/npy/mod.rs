@@ -101,7 +101,7 @@ fn header(source: &Source) -> Result<Header, FormatError> {
         Refusal::Malformed(at, problem) => source.malformed(Container::Npy, at as u64, problem),
         Refusal::WrongKind(found) => source.wrong_kind(
             found,
-            "numbers are needed: bool, int8 to int64, uint8 to uint64, float32 or float64",
+            "numbers are needed: bool, int8 to int64, uint8 to uint64, float16 to float64",
         ),
     })
 }

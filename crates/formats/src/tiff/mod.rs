@@ -29,6 +29,8 @@ pub(crate) enum Content {
     Floats(Plane<f32>),
 }
 
+/// The sample format of floats.
+const FLOATS: u16 = 3;
 /// What is read.
 const SAMPLES: &str = "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed";
 
@@ -46,7 +48,8 @@ pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     // The decoder would turn floats into 1 - v.
     let white: Option<u16> =
         decoder.find_tag_unsigned(Tag::PhotometricInterpretation).map_err(failed)?;
-    if color == ColorType::Gray(32) && white == Some(0) {
+    let kind: Option<u16> = decoder.find_tag_unsigned(Tag::SampleFormat).map_err(failed)?;
+    if color == ColorType::Gray(32) && kind == Some(FLOATS) && white == Some(0) {
         return Err(source.wrong_kind(
             "a TIFF of floats in which 0 is white",
             "save it with 0 as black (photometric `minisblack`)",

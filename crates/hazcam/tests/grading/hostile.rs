@@ -327,7 +327,12 @@ fn ends_without_an_answer_are_told_apart() {
         ("os.kill(os.getpid(), 9)", "SG", &["SIGKILL"], &[]),
         ("os._exit(0)", "RE", &["status 0 without an answer"], &[]),
         ("os._exit(7)", "RE", &["status 7"], &[]),
-        ("os.closerange(0, 256)\ntime.sleep(100)", "RE", &["closed its standard output"], &[]),
+        (
+            "os.closerange(0, 256)\ntime.sleep(100)",
+            "RE",
+            &["closed its standard input or output"],
+            &[],
+        ),
         ("raise KeyboardInterrupt", "RE", &["KeyboardInterrupt"], &[]),
     ]);
 }

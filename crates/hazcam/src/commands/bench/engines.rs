@@ -19,7 +19,8 @@ pub struct EngineArguments {
     #[arg(value_parser = super::super::choice(["fast", "balanced", "best", "none"]))]
     matcher: Vec<String>,
 
-    /// Other engines that run as well, by name; `*` and `?` as in a shell
+    /// Other engines that run as well, by name; `*` and `?` as in a shell. One that is called by
+    /// its whole name and answers on no scene makes the status 2
     #[arg(short, long, value_name = "NAME", value_delimiter = ',')]
     engine: Vec<String>,
 
