@@ -28,8 +28,8 @@ pub enum DatasetError {
     },
     /// Two scenes would go by one id.
     #[error(
-        "{} and {} would both be the scene {id}: keep one of them elsewhere, rename its folder, or name \
-         scenes in a scenes.json",
+        "{} and {} would both be the scene {id}: keep one of them elsewhere, rename its folder, or \
+         name scenes in a scenes.json",
         one.display(),
         other.display()
     )]

@@ -188,26 +188,23 @@ fn read_plane<T: npy::Element>(
 ) -> Result<Option<Plane<T>>, String> {
     let name = file_name(path);
     let cannot = |error| format!("its {what} file cannot be read: {error}");
+    let regular = |found: fs::Metadata| match found.is_file() {
+        true => Ok(found.len()),
+        false => Err(format!("{name} is no regular file (links are not followed)")),
+    };
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(cannot(error)),
-        Ok(found) if !found.is_file() => {
-            return Err(format!("{name} is no regular file (links are not followed)"));
-        }
-        Ok(_) => {}
-    }
+        found => regular(found.map_err(cannot)?)?,
+    };
     // The engine lives on and may put something else in its place: what counts is what was opened.
     let file = open(path).map_err(cannot)?;
-    let found = file.metadata().map_err(cannot)?;
-    if !found.is_file() {
-        return Err(format!("{name} is no regular file (links are not followed)"));
-    }
+    let length = regular(file.metadata().map_err(cannot)?)?;
     let pixels = job.columns as u64 * job.rows as u64;
     let limit = pixels * size_of::<T>() as u64 + HEADER_LIMIT;
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(cannot)?;
     // It may have grown meanwhile.
-    let length = found.len().max(bytes.len() as u64);
+    let length = length.max(bytes.len() as u64);
     if length > limit {
         return Err(format!(
             "{name} has {length} bytes, but the {what} of {} x {} pixels takes at most {limit}: \

@@ -83,8 +83,8 @@ fn size(entries: &Entries<'_>) -> Result<Option<[usize; 2]>, FormatError> {
             let [width, height] = numbers;
             let problem = match stated {
                 Some([columns, rows]) if numbers.iter().all(is_size) => format!(
-                    "`{name}` is {width} x {height}, another camera's {columns} x {rows}: rectified images \
-                     have one size"
+                    "`{name}` is {width} x {height}, another camera's {columns} x {rows}: \
+                     rectified images have one size"
                 ),
                 _ => format!("`{name}` is {width} x {height}, but must be columns and rows"),
             };

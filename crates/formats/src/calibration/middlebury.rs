@@ -33,8 +33,8 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     };
     if (doffs - apart).abs() > ROUNDED {
         let problem = format!(
-            "`doffs` is {doffs}, but the principal points of cam0 and cam1 are {apart} columns apart: \
-             one of them is wrong"
+            "`doffs` is {doffs}, but the principal points of cam0 and cam1 are {apart} columns \
+             apart: one of them is wrong"
         );
         return Err(entries.fail(None, problem));
     }
