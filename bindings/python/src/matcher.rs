@@ -111,8 +111,8 @@ impl Matcher {
             let allowed = format!("`left` is of {}: a pair is of one kind", left.depth());
             return Err(wrong_value("right", what, allowed));
         }
-        if is_coloured(&left) != is_coloured(&right) {
-            let kind = |image| if is_coloured(image) { "coloured" } else { "grey" };
+        if left.is_coloured() != right.is_coloured() {
+            let kind = |image: &Image| if image.is_coloured() { "coloured" } else { "grey" };
             let allowed = format!(
                 "`left` is {}: a pair is of one kind; read both alike, or make both grey",
                 kind(&left)
@@ -129,10 +129,6 @@ impl Matcher {
             answer.doubts,
         ))
     }
-}
-
-fn is_coloured(image: &Image) -> bool {
-    matches!(image, Image::Rgb8(_) | Image::Rgb16(_))
 }
 
 impl Matcher {

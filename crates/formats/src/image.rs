@@ -70,7 +70,7 @@ pub fn write_image(path: impl AsRef<Path>, image: &Image) -> Result<(), FormatEr
     if image.columns() == 0 || image.rows() == 0 {
         return Err(unfit(path, "the picture has no pixels: at least 1 x 1 is needed"));
     }
-    let grey = matches!(image, Image::Grey8(_) | Image::Grey16(_));
+    let grey = !image.is_coloured();
     match extension(path).as_deref() {
         Some("png") => write_atomically(path, |writer| png::encode(image, writer)),
         Some("pgm") if grey => write_atomically(path, |writer| pnm::encode(image, writer)),

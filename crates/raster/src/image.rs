@@ -54,6 +54,11 @@ impl Image {
         }
     }
 
+    /// Whether its pixels have red, green and blue.
+    pub fn is_coloured(&self) -> bool {
+        matches!(self, Self::Rgb8(_) | Self::Rgb16(_))
+    }
+
     /// Bits per sample: 8 or 16.
     pub fn depth(&self) -> u32 {
         match self {

@@ -59,7 +59,7 @@ pub(super) fn files(
 
 /// What samples an image has, in words.
 fn kind(image: &Image) -> String {
-    let colour = if matches!(image, Image::Rgb8(_) | Image::Rgb16(_)) { "colour" } else { "grey" };
+    let colour = if image.is_coloured() { "colour" } else { "grey" };
     format!("{colour} of {} bits", image.depth())
 }
 

@@ -34,15 +34,10 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     })?;
     let size = size(entries)?;
     Ok(Calibration {
-        layout: CalibrationLayout::Kitti,
-        camera,
         colour_camera: colour,
         width: size.map(|size| size[0]),
         height: size.map(|size| size[1]),
-        ndisp: None,
-        isint: None,
-        vmin: None,
-        vmax: None,
+        ..Calibration::of(CalibrationLayout::Kitti, camera)
     })
 }
 
@@ -55,21 +50,8 @@ fn pair(
     if !(entries.has(left_name) && entries.has(right_name)) {
         return Ok(None);
     }
-    let left: [f64; 12] = entries.numbers(left_name)?;
-    let right: [f64; 12] = entries.numbers(right_name)?;
-    let focal = left[0];
-    if focal != right[0] {
-        let problem = format!(
-            "{left_name} and {right_name} have the focal lengths {focal} and {}: a rectified pair \
-             has one",
-            right[0]
-        );
-        return Err(entries.fail(None, problem));
-    }
-    entries.square(left_name, [focal, left[5]])?;
-    entries.rectified([left_name, right_name], [left[6], right[6]])?;
-    let baseline = (left[3] - right[3]) / focal;
-    entries.camera(focal, baseline, right[2] - left[2], left[2], left[6]).map(Some)
+    let matrices = [entries.numbers(left_name)?, entries.numbers(right_name)?];
+    entries.projected([left_name, right_name], &matrices).map(Some)
 }
 
 /// The size of all images after rectification, which files of raw recordings state.

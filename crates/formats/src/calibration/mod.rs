@@ -62,6 +62,21 @@ pub enum CalibrationLayout {
 }
 
 impl Calibration {
+    /// A camera, and nothing else.
+    fn of(layout: CalibrationLayout, camera: StereoCamera) -> Self {
+        Self {
+            layout,
+            camera,
+            colour_camera: None,
+            width: None,
+            height: None,
+            ndisp: None,
+            isint: None,
+            vmin: None,
+            vmax: None,
+        }
+    }
+
     /// The camera of a left image, by the folder it lies in: KITTI's `image_2` and `colored_0`, and
     /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair,
     /// everything else to [`Calibration::camera`].
@@ -222,20 +237,46 @@ impl<'a> Entries<'a> {
         Err(self.fail(None, problem))
     }
 
-    /// Errors where things do not stand in the same rows of both images.
-    fn rectified(
+    /// Errors unless two matrices of three rows, which begin as `[f 0 cx; 0 f cy; ..]` does, are those of a rectified
+    /// pair: of one focal length, with things in the same rows of both images.
+    fn rectified<const N: usize>(
         &self,
-        [left, right]: [&str; 2],
-        [of_left, of_right]: [f64; 2],
+        names: [&str; 2],
+        matrices: &[[f64; N]; 2],
     ) -> Result<(), FormatError> {
-        if (of_left - of_right).abs() <= SAME_ROW {
-            return Ok(());
+        let of_both = |at: usize| matrices.each_ref().map(|matrix| matrix[at]);
+        let second_row = N / 3;
+        let [name, other] = names;
+        let [focal, of_other] = of_both(0);
+        if focal != of_other {
+            let problem = format!(
+                "{name} and {other} have the focal lengths {focal} and {of_other}: a rectified pair \
+                 has one"
+            );
+            return Err(self.fail(None, problem));
         }
-        let problem = format!(
-            "{left} and {right} have their principal points in the rows {of_left} and {of_right}: a \
-             rectified pair has them in one"
-        );
-        Err(self.fail(None, problem))
+        self.square(name, [focal, matrices[0][second_row + 1]])?;
+        let [row, of_other] = of_both(second_row + 2);
+        if (row - of_other).abs() > SAME_ROW {
+            let problem = format!(
+                "{name} and {other} have their principal points in the rows {row} and {of_other}: a \
+                 rectified pair has them in one"
+            );
+            return Err(self.fail(None, problem));
+        }
+        Ok(())
+    }
+
+    /// The pair of two projections `[f 0 cx -f b; 0 f cy 0; 0 0 1 0]`, where `b` is the camera's place to the right.
+    fn projected(
+        &self,
+        names: [&str; 2],
+        matrices: &[[f64; 12]; 2],
+    ) -> Result<StereoCamera, FormatError> {
+        self.rectified(names, matrices)?;
+        let [left, right] = matrices;
+        let baseline = (left[3] - right[3]) / left[0];
+        self.camera(left[0], baseline, right[2] - left[2], left[2], left[6])
     }
 
     fn camera(
@@ -261,6 +302,15 @@ mod tests {
 
     pub(super) fn read(text: &str) -> Result<Calibration, String> {
         parse(&Source::of("calib.txt", text.as_bytes())).map_err(|e| e.to_string())
+    }
+
+    /// Each change of a text, from one part to another, ends in an error with these words.
+    pub(super) fn refused(text: &str, changes: &[(&str, &str, &str)]) {
+        for (from, to, words) in changes {
+            assert!(text.contains(from), "{from}");
+            let error = read(&text.replace(from, to)).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::{Calibration, CalibrationLayout, Entries};
 use crate::FormatError;
 use crate::source::Source;
 
-/// With these OpenCV's files begin: before version 5 no YAML has a colon there.
+/// With these OpenCV's files begin; the colon, which no other YAML has, is that of versions before 5.
 const BEGINNINGS: [&str; 2] = ["%YAML:1.0", "%YAML 1.2"];
 
 /// What else is in the file does not matter.
@@ -54,31 +54,12 @@ pub(super) fn parse(source: &Source, text: &str) -> Result<Calibration, FormatEr
         return Err(entries.fail(None, problem.into()));
     };
     let [left, right] = [matrix(&entries, "P1", left)?, matrix(&entries, "P2", right)?];
-    let focal = left[0];
-    if focal != right[0] {
-        let problem = format!(
-            "P1 and P2 have the focal lengths {focal} and {}: a rectified pair has one",
-            right[0]
-        );
-        return Err(entries.fail(None, problem));
-    }
     if right[7] != 0.0 {
         let problem = "P2 has its camera below the other one, but pairs stand side by side here";
         return Err(entries.fail(None, problem.into()));
     }
-    entries.square("P1", [focal, left[5]])?;
-    entries.rectified(["P1", "P2"], [left[6], right[6]])?;
-    Ok(Calibration {
-        layout: CalibrationLayout::OpenCv,
-        camera: entries.camera(focal, -right[3] / focal, right[2] - left[2], left[2], left[6])?,
-        colour_camera: None,
-        width: None,
-        height: None,
-        ndisp: None,
-        isint: None,
-        vmin: None,
-        vmax: None,
-    })
+    let camera = entries.projected(["P1", "P2"], &[left, right])?;
+    Ok(Calibration::of(CalibrationLayout::OpenCv, camera))
 }
 
 fn matrix(entries: &Entries<'_>, name: &str, matrix: Matrix) -> Result<[f64; 12], FormatError> {
@@ -96,7 +77,7 @@ fn matrix(entries: &Entries<'_>, name: &str, matrix: Matrix) -> Result<[f64; 12]
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::read;
+    use super::super::tests::{read, refused};
     use super::*;
     use camera::StereoCamera;
 
@@ -122,7 +103,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        for (from, to, word) in [
+        let changes = [
             ("P2:", "P3:", "P1 and P2"),
             (
                 "P1: !!opencv-matrix\n   rows: 3",
@@ -136,10 +117,8 @@ mod tests {
             ("700., 240., 0.,\n", "700., 250., 0.,\n", "the rows 240 and 250"),
             ("[ 700., 0., 324.5", "[ seven, 0., 324.5", "the YAML cannot be read"),
             ("P1: ", "P1: [", "the YAML cannot be read"),
-        ] {
-            let error = read(&SAMPLE.replace(from, to)).unwrap_err();
-            assert!(error.contains(word), "{error}");
-        }
+        ];
+        refused(SAMPLE, &changes);
         let bomb = format!(
             "%YAML:1.0\n---\na: &a [{}]\n{}P1: *j\n",
             "1,".repeat(100),
@@ -151,9 +130,11 @@ mod tests {
                 .collect::<String>()
         );
         assert!(read(&bomb).is_err());
-        // Line 8 of the file is that of P1.
-        let error = read(&SAMPLE.replace("P1: ", "P1: [")).unwrap_err();
-        assert!(error.contains("line"), "{error}");
+        // Lines are those of the file.
+        let text = SAMPLE.replace("[ 700., 0., 324.5", "[ seven, 0., 324.5");
+        let line = text[..text.find("seven").unwrap()].lines().count();
+        let error = read(&text).unwrap_err();
+        assert!(error.contains(&format!("line {line}")), "{error}");
     }
 
     #[test]

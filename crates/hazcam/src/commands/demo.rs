@@ -46,7 +46,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let cases = scenes::matching(rendered::demo(), |case| &case.id, args.scenes.as_deref())?;
     let engines = args.engines.definitions(&[], None)?;
     let mut output = Output::in_folder(args.out, true)?;
-    (output.view, output.pages, output.pairs) = (View::Regions, true, true);
+    (output.view, output.in_full) = (View::Regions, true);
     let jobs = NonZeroUsize::MIN;
     Contest { cases, engines, reference: None, limits: None, jobs }.run(&args.engines, output, ui)
 }

@@ -23,10 +23,9 @@ pub struct Output {
     pub format: Format,
     /// The page that gets the results between its markers.
     pub page: Option<Page>,
-    /// Whether there is a page of points for each answer too, beside the pictures.
-    pub pages: bool,
-    /// Whether a scene is kept itself, instead of its left image alone.
-    pub pairs: bool,
+    /// Whether more is kept than pictures: the scene itself, instead of its left image alone, and a page of points
+    /// for each answer.
+    pub in_full: bool,
     folder: Option<PathBuf>,
     pictures: bool,
     /// The scene whose own pictures have been written last.
@@ -77,7 +76,7 @@ impl Output {
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         if self.pictures {
             if self.pictured.as_ref() != Some(&case.id) {
-                match self.pairs {
+                match self.in_full {
                     true => pictures::write_pair(&folder, data)?,
                     false => pictures::write_left(&folder, data)?,
                 }
@@ -86,7 +85,7 @@ impl Output {
             }
             if let Some(answer) = answer {
                 pictures::write_answer(&folder, &record.engine, data, answer)?;
-                if self.pages {
+                if self.in_full {
                     let page = folder.join(format!("{}.html", record.engine));
                     let title = format!("{}: {}", case.id, record.engine);
                     pictures::write_page(&page, &title, data, answer)?;
@@ -120,7 +119,7 @@ impl Output {
     /// In words where the results lie, if they are kept.
     pub fn place(&self) -> Option<String> {
         let folder = self.folder.as_ref()?;
-        let what = match (self.pages, self.pictures) {
+        let what = match (self.in_full, self.pictures) {
             (true, _) => "pictures, pages of points and records are",
             (false, true) => "pictures and records are",
             (false, false) => "records are",
