@@ -11,8 +11,8 @@ use crate::ui::Ui;
 #[derive(clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
-    /// Calibration of Middlebury, ETH3D or KITTI, or P1 and P2 of OpenCV in YAML (`hazcam info FILE` shows what is
-    /// in it)
+    /// Calibration of Middlebury, ETH3D or KITTI, P1 and P2 of OpenCV in YAML, or ROS's of the right camera
+    /// (`hazcam info FILE` shows what is in it)
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
 

@@ -15,6 +15,7 @@
 use serde::Serialize;
 
 use crate::Pixels;
+use crate::statistics::{mean, median};
 
 /// A match is right to the pixel when it is off by at most this.
 const SUB_PIXEL: f64 = 1.0;
@@ -51,17 +52,15 @@ pub struct SubPixel {
 pub fn end_point(pixels: &Pixels<'_>) -> EndPoint {
     let errors: Vec<f64> = pixels.errors().collect();
     let close: Vec<f64> = errors.iter().copied().filter(|error| error.abs() <= SUB_PIXEL).collect();
-    let magnitudes = |errors: &[f64]| errors.iter().map(|error| error.abs()).collect::<Vec<_>>();
-    let squares: Vec<f64> = close.iter().map(|error| error * error).collect();
     EndPoint {
-        mean: mean(&magnitudes(&errors)),
+        mean: mean(magnitudes(&errors)),
         median: median(magnitudes(&errors)),
-        bias: mean(&errors),
+        bias: mean(errors.iter().copied()),
         sub_pixel: SubPixel {
             pixels: close.len(),
-            mean: mean(&magnitudes(&close)),
-            rms: mean(&squares).map(f64::sqrt),
-            bias: mean(&close),
+            mean: mean(magnitudes(&close)),
+            rms: mean(close.iter().map(|error| error * error)).map(f64::sqrt),
+            bias: mean(close.iter().copied()),
         },
         protocol: format!(
             "end-point error: the {} estimates among {} pixels with known truth in {}; sub-pixel \
@@ -74,15 +73,8 @@ pub fn end_point(pixels: &Pixels<'_>) -> EndPoint {
     }
 }
 
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_unstable_by(f64::total_cmp);
-    let upper = *values.get(values.len() / 2)?;
-    let lower = values[(values.len() - 1) / 2];
-    Some((lower + upper) / 2.0)
+fn magnitudes(errors: &[f64]) -> impl Iterator<Item = f64> {
+    errors.iter().copied().map(f64::abs)
 }
 
 #[cfg(test)]

@@ -50,6 +50,7 @@ mod middlebury;
 mod pixels;
 mod region;
 mod scale;
+mod statistics;
 
 pub use confidence::{CurvePoint, RankedError, Sparsification, sparsification};
 pub use course::{Course, course};
@@ -62,3 +63,4 @@ pub use middlebury::{Bad, Middlebury, middlebury};
 pub use pixels::{Pixel, Pixels};
 pub use region::Region;
 pub use scale::suspected_scale;
+pub use statistics::{mean, median};

@@ -62,7 +62,8 @@ class StereoCamera:
 def read_calibration(
     path: str | PathLike[str], left: str | PathLike[str] | None = None
 ) -> StereoCamera:
-    """The cameras of a calibration file of Middlebury, ETH3D, KITTI or OpenCV.
+    """The cameras of a calibration file of Middlebury, ETH3D, KITTI, OpenCV or ROS (the
+    right camera's).
 
     OpenCV's YAML does not say in which unit its baseline is: that of the squares of the board that
     was calibrated with. It is taken as metres.

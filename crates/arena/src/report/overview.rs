@@ -1,5 +1,7 @@
 //! Many records at one look: engines against scenes.
 
+use score::mean;
+
 use super::in_order;
 use super::table::{Cell, Column, Table};
 use crate::record::Record;
@@ -27,10 +29,8 @@ pub fn overview_table(records: &[Record]) -> Table {
                 None => Cell::text(record.status.name()),
             },
         }));
-        let times: Vec<f64> =
-            own.iter().flatten().filter_map(|record| record.answer_cpu_seconds()).collect();
-        let mean = times.iter().sum::<f64>() / times.len() as f64;
-        row.push(Cell::number((!times.is_empty()).then_some(mean * 1e3), 0));
+        let times = own.iter().flatten().filter_map(|record| record.answer_cpu_seconds());
+        row.push(Cell::number(mean(times).map(|seconds| seconds * 1e3), 0));
         table.push(row);
     }
     table

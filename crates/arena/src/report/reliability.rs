@@ -1,5 +1,7 @@
 //! How reliable disparities are, by how sure an engine itself says it is of them.
 
+use score::mean;
+
 use super::in_order;
 use super::table::{Cell, Column, Table};
 use crate::record::{LEAST_CONFIDENCES, Record, at_least};
@@ -38,14 +40,11 @@ fn row(engine: &str, records: &[&Record], least: f32) -> Option<Vec<Cell>> {
         found.push(([bad2, bad4, m.a50, m.a90, m.a95, m.a99], &record.case));
     }
     let worst = found.iter().max_by(|(a, _), (b, _)| a[0].partial_cmp(&b[0]).expect("a number"))?;
-    let mean = |i: usize| {
-        let numbers: Vec<f64> = found.iter().filter_map(|(numbers, _)| numbers[i]).collect();
-        (!numbers.is_empty()).then(|| numbers.iter().sum::<f64>() / numbers.len() as f64)
-    };
+    let mean_of = |i: usize| mean(found.iter().filter_map(|(numbers, _)| numbers[i]));
     // A scene none of whose pixels is as sure counts with a share of 0.
     let share = Cell::number(Some(100.0 * shares / records.len() as f64), 1);
     let mut cells = vec![Cell::text(engine), Cell::text(least.to_string()), share];
-    cells.extend((0..6).map(|i| Cell::number(mean(i), 2)));
+    cells.extend((0..6).map(|i| Cell::number(mean_of(i), 2)));
     cells.extend([Cell::number(worst.0[0], 2), Cell::text(worst.1)]);
     Some(cells)
 }

@@ -5,6 +5,7 @@
 //! scene and doubling on another cancel. A caution: a geometric mean hides a single bad scene, so
 //! the worst ratio stands beside it.
 
+use score::mean;
 use serde::Serialize;
 
 use super::in_order;
@@ -75,9 +76,8 @@ fn summary(
 ) -> Summary {
     let own: Vec<&Record> = records.iter().filter(|r| r.engine == engine && belongs(r)).collect();
     let p_bad = |record: &Record| record.value("all", "p_bad");
-    let mean_of = |find: &dyn Fn(&Record) -> Option<f64>| {
-        mean(&own.iter().filter_map(|record| find(record)).collect::<Vec<_>>())
-    };
+    let mean_of =
+        |find: &dyn Fn(&Record) -> Option<f64>| mean(own.iter().filter_map(|record| find(record)));
     let of_scenes = |find: &dyn Fn(&Record) -> Option<f64>| -> Vec<(f64, String)> {
         own.iter().filter_map(|record| Some((find(record)?, record.case.clone()))).collect()
     };
@@ -89,7 +89,6 @@ fn summary(
         let (own, other) = (p_bad(record)?, p_bad(other)?);
         (own > 0.0 && other > 0.0).then(|| own / other)
     });
-    let logarithms: Vec<f64> = ratios.iter().map(|(ratio, _)| ratio.ln()).collect();
     Summary {
         family: family.into(),
         engine: engine.into(),
@@ -100,15 +99,11 @@ fn summary(
         mean_p_bad_noc: mean_of(&noc),
         noc_scenes: of_scenes(&noc).len(),
         worst_p_bad: largest(of_scenes(&p_bad)),
-        ratio: mean(&logarithms).map(f64::exp),
+        ratio: mean(ratios.iter().map(|(ratio, _)| ratio.ln())).map(f64::exp),
         ratio_scenes: ratios.len(),
         worst_ratio: largest(ratios),
         mean_cpu_seconds: mean_of(&Record::answer_cpu_seconds),
     }
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 fn largest(values: Vec<(f64, String)>) -> Option<(f64, String)> {

@@ -2,7 +2,9 @@
 
 use std::io;
 
-use super::measurement::{Measurement, median};
+use score::median;
+
+use super::measurement::Measurement;
 use crate::dataset::CaseData;
 use crate::engine::{Attempt, Definition, Limits, Pair, Programs, Status, Usage, Worker};
 

@@ -1,5 +1,6 @@
 //! What came of one engine on one pair, and what follows from it.
 
+use score::median;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Definition, Status};
@@ -47,29 +48,5 @@ impl Measurement {
     /// The round in the middle in seconds, or the mean of the two in the middle.
     pub fn median(&self) -> Option<f64> {
         median(self.seconds.iter().copied())
-    }
-}
-
-/// The value in the middle, or the mean of the two in the middle.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let middle = values.len().checked_sub(1)? / 2;
-    match values.len() % 2 {
-        1 => Some(values[middle]),
-        _ => Some((values[middle] + values[middle + 1]) / 2.0),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_of_an_even_number_lies_between_the_two_in_the_middle() {
-        let of = |values: &[f64]| median(values.iter().copied());
-        assert_eq!(of(&[]), None);
-        assert_eq!(of(&[3.0, 1.0, 2.0]), Some(2.0));
-        assert_eq!(of(&[4.0, 1.0, 2.0, 8.0]), Some(3.0));
     }
 }

@@ -1,5 +1,7 @@
 //! Middlebury's `calib.txt`, also ETH3D's, and the lunar set's own keys.
 
+use std::str::FromStr;
+
 use camera::StereoCamera;
 use raster::DisparityRange;
 
@@ -31,17 +33,32 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         return Err(entries.fail(None, problem));
     }
     let baseline_m = entries.number("baseline")? / 1000.0;
-    let isint: Option<u8> = entries.optional("isint", "0 or 1")?;
+    let isint: Option<Flag> = entries.optional("isint", "0 or 1")?;
     let camera = entries.camera(cam0[0], baseline_m, doffs, cam0[2], cam0[5])?;
     Ok(Calibration {
         width: entries.optional("width", "a whole number")?,
         height: entries.optional("height", "a whole number")?,
         ndisp: entries.optional("ndisp", "a whole number")?,
-        isint: isint.map(|flag| flag != 0),
+        isint: isint.map(|flag| flag.0),
         vmin: entries.optional("vmin", "a number")?,
         vmax: entries.optional("vmax", "a number")?,
         ..Calibration::of(CalibrationLayout::Middlebury, camera)
     })
+}
+
+/// `0` or `1`.
+struct Flag(bool);
+
+impl FromStr for Flag {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        match text {
+            "0" => Ok(Self(false)),
+            "1" => Ok(Self(true)),
+            _ => Err(()),
+        }
+    }
 }
 
 /// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
@@ -132,6 +149,7 @@ mod tests {
             ("0 0 1 ]", "0 0 ]", "must be 9 numbers"),
             ("ndisp= 73", "ndisp= 7.3", "near byte"),
             ("width= 718", "height= 718", "twice"),
+            ("isint=0", "isint=7", "`isint` is `7`, but must be 0 or 1"),
             ("cam1=[1038.018", "cam1=[1038.5", "focal lengths"),
             (
                 "375.308; 0 1038.018 243.393",

@@ -1,15 +1,18 @@
-//! Calibration files of rectified pairs: Middlebury and ETH3D, KITTI, OpenCV, and the rendered lunar set.
+//! Calibration files of rectified pairs: Middlebury and ETH3D, KITTI, OpenCV, ROS, and the rendered lunar set.
 //!
 //! | layout | camera | baseline | right camera |
 //! | --- | --- | --- | --- |
 //! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
 //! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
 //! | OpenCV's YAML | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
+//! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4 | `-projection_matrix[0][3] / f`, metres | as the left one, `doffs = 0` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
 
 mod kitti;
 mod middlebury;
 mod opencv;
+mod ros;
+mod yaml;
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -57,6 +60,8 @@ pub enum CalibrationLayout {
     /// `P1` and `P2` in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the squares
     /// that the cameras were calibrated with. It is taken as metres.
     OpenCv,
+    /// `projection_matrix` in the YAML file of a pair's right camera, as ROS keeps it.
+    Ros,
     /// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
     Lunar,
 }
@@ -128,8 +133,8 @@ pub fn write_calibration(
 /// The calibration in a file's text.
 pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
-                  P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, or f= and \
-                  baseline_m=";
+                  P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
+                  projection_matrix of ROS's right camera, or f= and baseline_m=";
     let text = match std::str::from_utf8(&source.bytes) {
         Ok(text) if text.len() <= LONGEST => text,
         _ => return Err(source.wrong_kind("no short text", needed)),
@@ -144,6 +149,8 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
         middlebury::parse(&entries)
     } else if entries.has("baseline_m") {
         middlebury::parse_lunar(&entries)
+    } else if ros::is_ros(&entries) {
+        ros::parse(&entries, text)
     } else if kitti::is_kitti(&entries) {
         kitti::parse(&entries)
     } else {

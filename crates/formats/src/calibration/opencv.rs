@@ -4,8 +4,8 @@
 //! squares that the cameras were calibrated with.
 
 use serde::Deserialize;
-use serde_saphyr::UserMessageFormatter;
 
+use super::yaml::{self, Matrix};
 use super::{Calibration, CalibrationLayout, Entries};
 use crate::FormatError;
 use crate::source::Source;
@@ -22,13 +22,6 @@ struct Storage {
     right: Option<Matrix>,
 }
 
-#[derive(Deserialize)]
-struct Matrix {
-    rows: usize,
-    cols: usize,
-    data: Vec<f64>,
-}
-
 /// Whether a text is one of OpenCV's.
 pub(super) fn is_opencv(text: &str) -> bool {
     BEGINNINGS.iter().any(|beginning| text.starts_with(beginning))
@@ -39,40 +32,15 @@ pub(super) fn parse(source: &Source, text: &str) -> Result<Calibration, FormatEr
     let entries = Entries { source, entries: Vec::new() };
     // From the end of the first line on, so that lines are counted right.
     let body = &text[text.find('\n').unwrap_or(text.len())..];
-    // What is not finite may stand elsewhere; no camera is made of it.
-    let options = serde_saphyr::options! {
-        non_finite_float_policy: serde_saphyr::NonFiniteFloatPolicy::PassThrough,
-    };
-    let storage: Storage = serde_saphyr::from_str_with_options(body, options).map_err(|error| {
-        let what = error.without_snippet().render_with_formatter(&UserMessageFormatter);
-        let what = what.lines().next().unwrap_or_default();
-        entries.fail(None, format!("the YAML cannot be read: {what}"))
-    })?;
+    let storage: Storage = yaml::read(&entries, body)?;
     let (Some(left), Some(right)) = (storage.left, storage.right) else {
         let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
                        give focal length and baseline";
         return Err(entries.fail(None, problem.into()));
     };
-    let [left, right] = [matrix(&entries, "P1", left)?, matrix(&entries, "P2", right)?];
-    if right[7] != 0.0 {
-        let problem = "P2 has its camera below the other one, but pairs stand side by side here";
-        return Err(entries.fail(None, problem.into()));
-    }
+    let [left, right] = [left.projection(&entries, "P1")?, right.projection(&entries, "P2")?];
     let camera = entries.projected(["P1", "P2"], &[left, right])?;
     Ok(Calibration::of(CalibrationLayout::OpenCv, camera))
-}
-
-fn matrix(entries: &Entries<'_>, name: &str, matrix: Matrix) -> Result<[f64; 12], FormatError> {
-    let Matrix { rows, cols, data } = matrix;
-    let wrong = |numbers: usize| {
-        let problem =
-            format!("{name} is {rows} x {cols} with {numbers} numbers, but must be 3 x 4 with 12");
-        entries.fail(None, problem)
-    };
-    if (rows, cols) != (3, 4) {
-        return Err(wrong(data.len()));
-    }
-    data.try_into().map_err(|data: Vec<f64>| wrong(data.len()))
 }
 
 #[cfg(test)]

@@ -67,6 +67,7 @@ fn cameras(f: &mut fmt::Formatter<'_>, calibration: &Calibration, bytes: u64) ->
     let layout = match calibration.layout {
         CalibrationLayout::Middlebury => "calibration (Middlebury, ETH3D)",
         CalibrationLayout::Kitti => "calibration (KITTI)",
+        CalibrationLayout::Ros => "calibration (ROS, right camera)",
         CalibrationLayout::OpenCv => "calibration (OpenCV; the baseline is taken as metres)",
         CalibrationLayout::Lunar => "calibration (lunar)",
     };

@@ -1,45 +1,124 @@
-//! A look at a TIFF's first directory before the decoder sees it: every list that it names must lie
-//! within the file. The decoder takes memory for a list on the word of its entry.
+//! A look at a TIFF's directories before the decoder sees them: every list that the first one names must
+//! lie within the file, since the decoder takes memory for a list on the word of its entry; and there must
+//! be no second picture, of which the decoder would say nothing.
 
 use crate::FormatError;
 use crate::source::{Container, Source};
 
+/// The tag that says what a directory's picture is to the others, and its bits for a smaller copy and for a mask.
+const SUBFILE: u64 = 254;
+const COPY_OR_MASK: u64 = 0b101;
+
 /// Errors when the first directory, or a list of values that one of its entries names, is not
-/// within the file. (TIFF 6.0, section 2, and BigTIFF, whose numbers are wider.)
+/// within the file, or another directory has a picture of its own. (TIFF 6.0, section 2, and BigTIFF,
+/// whose numbers are wider.)
 pub(super) fn check(source: &Source) -> Result<(), FormatError> {
     let bytes = &source.bytes;
     let reader = Reader { bytes, big_endian: bytes.starts_with(b"MM") };
-    let cut = |what: String| {
-        let problem = format!("{what} lies outside the file: was it copied whole?");
-        source.malformed(Container::Tiff, bytes.len() as u64, problem)
-    };
-    let header = || cut("the header".to_owned());
+    let header = || cut(source, "the header");
     let wide = reader.number(2, 2).ok_or_else(header)? == 43;
     // Where the first directory's offset stands, and the sizes of counts, entries and offsets.
-    let (at, count_size, entry_size, offset_size) =
-        if wide { (8, 8, 20, 8) } else { (4, 2, 12, 4) };
-    let start = reader.number(at, offset_size).ok_or_else(header)?;
-    let directory = || cut(format!("the directory at byte {start}"));
-    let count = reader.number(start, count_size).ok_or_else(directory)?;
-    let entries = start + count_size;
-    let length = count.checked_mul(entry_size).ok_or_else(directory)?;
-    if !reader.holds(entries, length) {
-        return Err(directory());
-    }
-    for entry in (entries..entries + length).step_by(entry_size as usize) {
-        let tag = reader.number(entry, 2).ok_or_else(directory)?;
-        let kind = reader.number(entry + 2, 2).ok_or_else(directory)?;
-        let values = reader.number(entry + 4, offset_size).ok_or_else(directory)?;
-        let list = || cut(format!("the list of tag {tag} ({values} values)"));
-        let length = values.checked_mul(value_size(kind)).ok_or_else(list)?;
+    let (at, sizes) = if wide { (8, [8, 20, 8]) } else { (4, [2, 12, 4]) };
+    let [.., offset_size] = sizes;
+    let first = reader.number(at, offset_size).ok_or_else(header)?;
+    let directory = Directory::at(source, reader, first, sizes)?;
+    for entry in directory.entries() {
+        let tag = entry.tag;
+        let list = || cut(source, &format!("the list of tag {tag} ({} values)", entry.values));
+        let length = entry.values.checked_mul(value_size(entry.kind)).ok_or_else(list)?;
         if length > offset_size {
-            let place = reader.number(entry + 4 + offset_size, offset_size).ok_or_else(list)?;
-            if !reader.holds(place, length) {
+            let place = directory.reader.number(entry.value_at, offset_size).ok_or_else(list)?;
+            if !directory.reader.holds(place, length) {
                 return Err(list());
             }
         }
     }
+    one_picture(source, &directory, first, sizes)
+}
+
+/// Errors when a directory after the first one has a picture that is no smaller copy of it and no mask.
+fn one_picture(
+    source: &Source,
+    first: &Directory<'_>,
+    start: u64,
+    sizes: [u64; 3],
+) -> Result<(), FormatError> {
+    let mut seen = vec![start];
+    let mut next = first.next();
+    // Where there is none is 0; a directory that comes again has been looked at.
+    while next != 0 && !seen.contains(&next) {
+        let directory = Directory::at(source, first.reader, next, sizes)?;
+        let mut entries = directory.entries();
+        let kind = entries.find(|entry| entry.tag == SUBFILE);
+        let kind =
+            kind.and_then(|entry| directory.reader.number(entry.value_at, value_size(entry.kind)));
+        if kind.unwrap_or(0) & COPY_OR_MASK == 0 {
+            return Err(source.wrong_kind(
+                "a TIFF of several pictures",
+                "one picture in a file is needed: split it, as with `tiffsplit`",
+            ));
+        }
+        seen.push(next);
+        next = directory.next();
+    }
     Ok(())
+}
+
+fn cut(source: &Source, what: &str) -> FormatError {
+    let problem = format!("{what} lies outside the file: was it copied whole?");
+    source.malformed(Container::Tiff, source.bytes.len() as u64, problem)
+}
+
+/// A list of entries that lies within the file.
+struct Directory<'a> {
+    reader: Reader<'a>,
+    /// Where its entries begin and end.
+    begin: u64,
+    end: u64,
+    entry_size: u64,
+    offset_size: u64,
+}
+
+/// One of them.
+struct Entry {
+    tag: u64,
+    kind: u64,
+    values: u64,
+    /// Where its value stands, or what is said of the place of its list.
+    value_at: u64,
+}
+
+impl<'a> Directory<'a> {
+    fn at(
+        source: &Source,
+        reader: Reader<'a>,
+        start: u64,
+        [count_size, entry_size, offset_size]: [u64; 3],
+    ) -> Result<Self, FormatError> {
+        let outside = || cut(source, &format!("the directory at byte {start}"));
+        let count = reader.number(start, count_size).ok_or_else(outside)?;
+        let length = count.checked_mul(entry_size).ok_or_else(outside)?;
+        let begin = start + count_size;
+        if !reader.holds(begin, length) {
+            return Err(outside());
+        }
+        Ok(Self { reader, begin, end: begin + length, entry_size, offset_size })
+    }
+
+    fn entries(&self) -> impl Iterator<Item = Entry> {
+        let number = |at, size| self.reader.number(at, size).unwrap_or(0);
+        (self.begin..self.end).step_by(self.entry_size as usize).map(move |at| Entry {
+            tag: number(at, 2),
+            kind: number(at + 2, 2),
+            values: number(at + 4, self.offset_size),
+            value_at: at + 4 + self.offset_size,
+        })
+    }
+
+    /// Where the next directory begins: 0 where there is none, or the file ends.
+    fn next(&self) -> u64 {
+        self.reader.number(self.end, self.offset_size).unwrap_or(0)
+    }
 }
 
 /// Bytes of a value by its type; the decoder skips types that it does not know.
@@ -52,6 +131,7 @@ fn value_size(kind: u64) -> u64 {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Reader<'a> {
     bytes: &'a [u8],
     big_endian: bool,
@@ -105,6 +185,25 @@ mod tests {
                 let error = checked(&file(big_endian, values, place)).unwrap_err();
                 assert!(error.contains("the list of tag 273"), "{error}");
             }
+        }
+    }
+
+    #[test]
+    fn a_second_picture_is_refused_but_a_smaller_copy_or_a_mask_is_none() {
+        for (kind, refused) in [(0, true), (2, true), (1, false), (4, false), (5, false)] {
+            let mut bytes = file(false, 1, 0);
+            // The next directory begins where this one ends: tag 254, type 4.
+            bytes[22..26].copy_from_slice(&26_u32.to_le_bytes());
+            bytes.extend([1, 0, 254, 0, 4, 0, 1, 0, 0, 0, kind, 0, 0, 0, 0, 0, 0, 0]);
+            let found = checked(&bytes);
+            assert_eq!(found.is_err(), refused, "{kind}");
+            assert!(found.err().is_none_or(|error| error.contains("several pictures")));
+            // After itself.
+            bytes[40..44].copy_from_slice(&26_u32.to_le_bytes());
+            assert_eq!(checked(&bytes).is_err(), refused, "{kind}");
+            bytes[22..26].copy_from_slice(&4000_u32.to_le_bytes());
+            let error = checked(&bytes).unwrap_err();
+            assert!(error.contains("the directory at byte 4000"), "{error}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! TIFF and BigTIFF by the crate `tiff`: grey and RGB of 8 and 16 bit, and float32 for
-//! disparities; plain, LZW, Deflate or PackBits. The first picture of the file is read, alpha is
-//! dropped (the colour samples stay as stored).
+//! disparities; plain, LZW, Deflate or PackBits. A file has one picture, beside which smaller copies of it and
+//! masks may lie; alpha is dropped (the colour samples stay as stored).
 
 mod directory;
 
@@ -34,7 +34,7 @@ const FLOATS: u16 = 3;
 /// What is read.
 const SAMPLES: &str = "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed";
 
-/// Decodes the first picture of a TIFF file.
+/// Decodes the picture of a TIFF file.
 pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     let failed = |error: TiffError| explain(source, error);
     directory::check(source)?;

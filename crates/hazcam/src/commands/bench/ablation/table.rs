@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use arena::record::Record;
 use arena::report::{Cell, Column, Table};
 use matching::{Ingredient, Preset};
+use score::mean;
 use serde::Serialize;
 
 use super::Variant;
@@ -89,11 +90,6 @@ impl Row {
             cpu_seconds: mean(own.iter().filter_map(|figures| figures.cpu_seconds)),
         }
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// The rows of every preset that has run.
