@@ -264,6 +264,11 @@ mod tests {
                 assert!((TOP..=HEIGHT - BOTTOM).contains(&y), "{y} {point:?}");
             }
             assert!((2..=10).contains(&((axes.top / axes.step).round() as i32)));
+            // Quicker is further left, better is lower.
+            let Some(&[quick, slow]) = points.as_array() else { continue };
+            let ((x, y), (of_slow, lower)) = (axes.place(&quick), axes.place(&slow));
+            assert!(quick.cpu < slow.cpu && x < of_slow, "{x} {of_slow}");
+            assert!(quick.score > slow.score && y < lower, "{y} {lower}");
         }
     }
 }
