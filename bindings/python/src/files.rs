@@ -61,6 +61,6 @@ pub fn read_calibration(
     let left = (!left.is_none()).then(|| self::path("left", left)).transpose()?;
     let read = detached(py, || formats::read_calibration(path))?.map_err(of_file)?;
     let camera = left.map_or(read.camera, |left| read.camera_of(left));
-    let StereoCamera { focal_px, baseline_m, doffs, cx, cy } = camera;
+    let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = camera;
     Ok((focal_px, baseline_m, doffs, cx, cy))
 }

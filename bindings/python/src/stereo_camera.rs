@@ -22,8 +22,9 @@ pub struct Camera {
 impl Camera {
     /// The camera of a map of `(columns, rows)`, which it looks at the middle of unless told otherwise.
     fn of_map(self, size: (usize, usize)) -> StereoCamera {
-        let [x, y] = middle(size);
-        StereoCamera { cx: self.cx.unwrap_or(x), cy: self.cy.unwrap_or(y), ..self.camera }
+        let ([x, y], mut camera) = (middle(size), self.camera);
+        (camera.cx, camera.cy) = (self.cx.unwrap_or(x), self.cy.unwrap_or(y));
+        camera
     }
 }
 

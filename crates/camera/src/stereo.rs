@@ -31,7 +31,20 @@ pub fn middle((columns, rows): (usize, usize)) -> [f64; 2] {
     [columns, rows].map(|count| (count as f64 - 1.0) / 2.0)
 }
 
-/// A rectified pair of pinhole cameras. See the crate's documentation for the axes.
+/// A rectified pair of pinhole cameras, made by [`StereoCamera::new`]. See the crate's documentation for the axes.
+///
+/// ```
+/// use camera::StereoCamera;
+///
+/// // 700 px, 12 cm apart, principal point in the middle of 640 x 480 pixels.
+/// let camera = StereoCamera::new(700.0, 0.12, 0.0, 319.5, 239.5)?;
+/// assert_eq!(camera.depth(42.0), Some(2.0));
+/// // Half a pixel there is 2.4 cm, and at 20 m, a tenth of the disparity, a hundred times as much.
+/// assert_eq!(camera.depth_uncertainty(2.0, 0.5), Some(2.0 / 84.0));
+/// assert_eq!(camera.depth_uncertainty(20.0, 0.5), Some(200.0 / 84.0));
+/// # Ok::<(), camera::CameraError>(())
+/// ```
+#[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct StereoCamera {
     /// Focal length of both cameras in pixels, positive. Times the baseline it is still finite.
@@ -95,28 +108,39 @@ impl StereoCamera {
 
     /// Disparity in pixels of a depth in metres: `f B / Z - doffs`.
     ///
-    /// `None` when the depth is not positive. An infinite depth has the disparity `-doffs`.
+    /// `None` when the depth is not positive, or so small that the disparity is not finite. An infinite depth has
+    /// the disparity `-doffs`.
     pub fn disparity(&self, depth_m: f64) -> Option<f64> {
-        (depth_m > 0.0).then(|| self.focal_px * self.baseline_m / depth_m - self.doffs)
+        let disparity = self.focal_px * self.baseline_m / depth_m - self.doffs;
+        (depth_m > 0.0 && disparity.is_finite()).then_some(disparity)
     }
 
     /// Uncertainty of the depth in metres at a depth in metres, for an uncertainty of the
     /// disparity in pixels: `Z^2 |dd| / (f B)`, to first order.
     ///
-    /// `None` when the depth is not positive and finite.
+    /// `None` when the depth is not positive and finite, or its uncertainty is not finite.
     pub fn depth_uncertainty(&self, depth_m: f64, disparity_uncertainty: f64) -> Option<f64> {
-        (depth_m > 0.0 && depth_m.is_finite()).then(|| {
-            depth_m * depth_m * disparity_uncertainty.abs() / (self.focal_px * self.baseline_m)
+        let uncertainty =
+            depth_m * depth_m * disparity_uncertainty.abs() / (self.focal_px * self.baseline_m);
+        (depth_m > 0.0 && depth_m.is_finite() && uncertainty.is_finite()).then_some(uncertainty)
+    }
+
+    /// [`StereoCamera::depth_uncertainty`] of each depth in metres, all disparities being as uncertain; NaN where
+    /// there is none, in or out, or none that a float of 32 bits holds.
+    pub fn depth_uncertainty_map(
+        &self,
+        depths: &Plane<f32>,
+        disparity_uncertainty: f64,
+    ) -> Plane<f32> {
+        depths.map(|&depth| {
+            in_32_bits(self.depth_uncertainty(f64::from(depth), disparity_uncertainty))
         })
     }
 
     /// Depth in metres of each disparity in pixels; NaN where there is none, in or out, or none that a
     /// float of 32 bits holds.
     pub fn depth_map(&self, disparities: &Plane<f32>) -> Plane<f32> {
-        disparities.map(|&d| {
-            let depth = self.depth(f64::from(d)).map_or(f32::NAN, |depth| depth as f32);
-            if depth.is_finite() { depth } else { f32::NAN }
-        })
+        disparities.map(|&d| in_32_bits(self.depth(f64::from(d))))
     }
 
     /// The point `[X, Y, Z]` in metres that left pixel `(x, y)` shows at a disparity in pixels.
@@ -149,6 +173,12 @@ impl StereoCamera {
             point.iter().all(|coordinate| coordinate.is_finite()).then_some(point)
         })
     }
+}
+
+/// NaN where there is no number, or none that 32 bits hold.
+fn in_32_bits(number: Option<f64>) -> f32 {
+    let number = number.map_or(f32::NAN, |number| number as f32);
+    if number.is_finite() { number } else { f32::NAN }
 }
 
 #[cfg(test)]
@@ -188,6 +218,10 @@ mod tests {
             assert_eq!(camera(0.0).disparity(depth), None);
             assert_eq!(camera(0.0).depth_uncertainty(depth, 1.0), None);
         }
+        assert_eq!(camera(0.0).disparity(5e-324), None);
+        for (depth, off) in [(4.0, f64::NAN), (1e300, 1.0)] {
+            assert_eq!(camera(0.0).depth_uncertainty(depth, off), None);
+        }
     }
 
     #[test]
@@ -195,6 +229,10 @@ mod tests {
         // 4^2 * 0.5 / 200 and 8^2 * 0.5 / 200
         assert_eq!(camera(0.0).depth_uncertainty(4.0, 0.5), Some(0.04));
         assert_eq!(camera(10.0).depth_uncertainty(8.0, -0.5), Some(0.16));
+        let depths = Plane::new(4, 1, vec![4.0, f32::NAN, 0.0, 1e30]).unwrap();
+        let map = camera(0.0).depth_uncertainty_map(&depths, 0.5);
+        assert_eq!(map.samples()[0], 0.04);
+        assert!(map.samples()[1..].iter().all(|uncertainty| uncertainty.is_nan()), "{map:?}");
     }
 
     #[test]

@@ -6,8 +6,8 @@
 //! | --- | --- |
 //! | [`raster`] | the arrays that flow between the stages: planes, images, boxes, ranges, maps |
 //! | [`matching`] | the matchers `fast`, `balanced` and `best`, arranged by the standard taxonomy |
-//! | [`camera`] | calibration, disparity to depth |
-//! | [`formats`] | the files of the stereo community, read strictly and written whole |
+//! | [`camera`] | disparity to depth and points, and how uncertain they are |
+//! | [`formats`] | the files of the stereo community, calibrations too, read strictly and written whole |
 //! | [`score`] | a disparity map against ground truth |
 //!
 //! A disparity `d` says that left `(x, y)` shows what right `(x - d, y)` shows. It is in pixels,

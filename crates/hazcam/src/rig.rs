@@ -92,7 +92,7 @@ fn calibrated(
         );
     }
     if calibration.layout == CalibrationLayout::OpenCv {
-        let StereoCamera { focal_px, baseline_m, doffs, cx, cy } = calibration.camera;
+        let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = calibration.camera;
         ui.note(format_args!(
             "{}: the baseline of {baseline_m} is taken as metres; OpenCV has it in the unit of the \
              board's squares: if that was another one, give --focal {focal_px} --baseline METRES \

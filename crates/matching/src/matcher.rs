@@ -13,6 +13,7 @@ use crate::{Holes, MOST_COLUMNS, MatchError, Options, VerticalDisparity};
 
 /// One pair of images with everything that is asked of it, checked: equal sizes, at least one
 /// pixel, a box inside the image.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame<'a> {
     pub left: &'a Image,
     pub right: &'a Image,
@@ -72,7 +73,7 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
 }
 
 /// Matches pairs of images. It keeps its memory between frames: equal sizes allocate nothing after
-/// the first.
+/// the first, whatever the box.
 pub struct Matcher {
     options: Options,
     level: Level,
@@ -127,20 +128,20 @@ impl Matcher {
         self.level
     }
 
-    /// Where the time of the last frame went: its stages in the order in which they ran. Empty before
-    /// the first frame.
+    /// Where the time of the last frame that was answered went: its stages in the order in which they ran. Empty
+    /// before the first one.
     pub fn profile(&self) -> &[Stage] {
         self.profile.stages()
     }
 
-    /// The vertical disparity of the last pair, where it was found to be worth mending: things stood lower
+    /// The vertical disparity of the last pair that was answered, where it was found to be worth mending: things stood lower
     /// in the right image by so many pixels, which depend on the place, and `balanced` and `best` matched
     /// the image with that taken out. A pair that is rectified well has none; `fast` does not look for it.
     pub fn vertical_disparity(&self) -> Option<&VerticalDisparity> {
         self.pipeline.vertical_disparity()
     }
 
-    /// The answer to the last pair; empty before the first one.
+    /// The answer to the last pair that was answered, not refused; empty before the first one.
     pub fn map(&self) -> &DisparityMap {
         &self.map
     }
@@ -158,8 +159,10 @@ impl Matcher {
     /// the box, and where holes are kept, it is NaN, and the reason says why. Colour images are matched as
     /// grey.
     ///
-    /// A box is answered from what it shows, and is not cut out of the answer to the whole image: near its
-    /// edges, and where fills and speckles reach beyond them, the two differ.
+    /// A box is not cut out of the answer to the whole image: near its edges, and where fills and speckles reach
+    /// beyond them, the two differ. It is answered from what it shows and what lies around it, in `fast` as many
+    /// columns at both sides as there are disparities, in `balanced` and `best` 32 pixels all around. These two
+    /// measure the whole pair too: vertical disparity, noise, how strong texture is.
     ///
     /// The matcher's own threads do the work while the calling one waits. For frames from several threads give
     /// each a matcher (it is `Send`), or put one behind a lock; that may be a thread of rayon, too.

@@ -13,10 +13,14 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 pub(crate) fn start(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     let processors = processors();
     let builder = ThreadPoolBuilder::new().num_threads(threads);
-    match threads == processors.len() {
+    let pool = match threads == processors.len() {
         true => builder.start_handler(move |thread| keep_to(processors[thread])).build(),
         false => builder.build(),
-    }
+    }?;
+    // Memory allocators set some aside for a thread that asks for the first time (glibc 64 MB of addresses): all are
+    // to have theirs before anybody looks at what the process has taken and may take.
+    pool.broadcast(|_| drop(std::hint::black_box(Vec::<u8>::with_capacity(1))));
+    Ok(pool)
 }
 
 /// What a closure gives in a pool. A thread of another pool would take up other work of its own while it waits,

@@ -144,16 +144,23 @@ fn what_shows_nothing_is_not_matched_but_filled_from_around_it() {
     let pair = [0, 12].map(|shift| {
         Image::Grey8(Plane::from_fn(columns, rows, |x, y| half_blank(x as i64 + shift, y as i64)))
     });
+    let compute_blank = |preset, range| {
+        let matched = [0, 128, 255].map(|grey| {
+            let map = compute(options(preset, range), &[blank(grey), blank(grey)], None);
+            map.reasons.samples().iter().filter(|r| **r == Reason::Matched).count()
+        });
+        let most = *matched.iter().max().unwrap();
+        assert!(most <= 2 * rows, "{preset}, {range:?}: {matched:?} pixels match");
+    };
+    for preset in Preset::ALL {
+        // Of one, two or three disparities too, none of which has another one but its neighbours.
+        for range in [(7, 7), (0, 1), (0, 2), (-1, 1)] {
+            compute_blank(preset, range);
+        }
+    }
     for (preset, least) in Preset::ALL.into_iter().flat_map(|p| [(p, 0), (p, -5), (p, 4)]) {
         let range = (least, 40);
-        for grey in [0, 128, 255] {
-            let map = compute(options(preset, range), &[blank(grey), blank(grey)], None);
-            let matched = map.reasons.samples().iter().filter(|r| **r == Reason::Matched).count();
-            assert!(
-                matched <= 2 * rows,
-                "{preset}, from {least}: {matched} pixels of {grey} match"
-            );
-        }
+        compute_blank(preset, range);
         let map = compute(options(preset, range), &pair, None);
         check_complete(preset, &map, bounds, range);
         for y in 25..55 {
@@ -172,6 +179,45 @@ fn the_left_strip_is_said_to_lie_outside_the_right_image() {
             let strip = &map.reasons.row(y)[..11];
             let outside = strip.iter().all(|r| *r == Reason::OutsideRightFilled);
             assert!(outside, "{preset}, row {y}: {strip:?}");
+        }
+    }
+}
+
+#[test]
+fn narrow_boxes_are_checked_against_all_that_the_right_image_shows() {
+    let pair = wall(200, 80, 12);
+    for (preset, first) in Preset::ALL.into_iter().flat_map(|preset| [(preset, 0), (preset, 90)]) {
+        for columns in [1, 4, 8, 12, 21] {
+            let bounds = BoundingBox::new(first, 0, first + columns - 1, 79).unwrap();
+            let map = compute(options(preset, (0, 40)), &pair, Some(bounds));
+            let pixels = map.values.samples().iter().zip(map.reasons.samples());
+            let wrong = pixels.filter(|(d, reason)| {
+                let claimed = **reason == Reason::Matched || first > 0 && reason.has_value();
+                claimed && (*d - 12.0).abs() >= 1.0
+            });
+            assert_eq!(wrong.count(), 0, "{preset}, {bounds}");
+        }
+    }
+}
+
+#[test]
+fn where_nothing_can_be_searched_pixels_say_what_lies_outside() {
+    let pair = wall(64, 8, 3);
+    for preset in Preset::ALL {
+        for range in [(63, 127), (64, 127), (-127, -63)] {
+            let map = compute(options(preset, range), &pair, None);
+            for y in 0..8 {
+                for x in 0..64 {
+                    let right = x as f32 - map.values.row(y)[x];
+                    let is_outside = !(0.0..=63.0).contains(&right);
+                    let reason = map.reasons.row(y)[x];
+                    assert_eq!(
+                        reason == Reason::OutsideRightFilled,
+                        is_outside,
+                        "{preset}, {range:?}, column {x}: {reason:?}"
+                    );
+                }
+            }
         }
     }
 }

@@ -103,6 +103,11 @@ impl DisparityMap {
         self.values.reshape(columns, rows, f32::NAN);
         self.reasons.reshape(columns, rows, Reason::OutsideBox);
         self.confidence.reshape(columns, rows, 0.0);
+        self.empty_around(bounds);
+    }
+
+    /// Takes what stands around a box out of the map.
+    pub fn empty_around(&mut self, bounds: BoundingBox) {
         self.values.fill_around(bounds, f32::NAN);
         self.reasons.fill_around(bounds, Reason::OutsideBox);
         self.confidence.fill_around(bounds, 0.0);

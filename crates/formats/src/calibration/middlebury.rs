@@ -79,7 +79,7 @@ pub(super) fn text(
     (width, height): (usize, usize),
     range: DisparityRange,
 ) -> String {
-    let StereoCamera { focal_px: f, baseline_m, doffs, cx, cy } = camera;
+    let StereoCamera { focal_px: f, baseline_m, doffs, cx, cy, .. } = camera;
     let (right, baseline, ndisp) = (cx + doffs, 1000.0 * baseline_m, i64::from(range.max()) + 1);
     format!(
         "cam0=[{f} 0 {cx}; 0 {f} {cy}; 0 0 1]\ncam1=[{f} 0 {right}; 0 {f} {cy}; 0 0 1]\n\

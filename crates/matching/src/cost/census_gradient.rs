@@ -130,7 +130,7 @@ impl Features {
         self.words.reshape(columns, rows.count, 0);
         self.steps.reshape(columns, rows.count, 0);
         let height = rows.count.div_ceil(rayon::current_num_threads());
-        self.scratch.resize_with(rows.count.div_ceil(height), Scratch::default);
+        self.scratch.resize_with(rayon::current_num_threads(), Scratch::default);
         let words = self.words.samples_mut().par_chunks_mut(columns * height);
         let steps = self.steps.samples_mut().par_chunks_mut(columns * height);
         let bands = words.zip(steps).zip(&mut self.scratch);

@@ -1,6 +1,6 @@
 #![doc = include_str!("fast.md")]
 
-use raster::{DisparityMap, Plane, Reason};
+use raster::{BoundingBox, DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
 use super::memory;
@@ -58,11 +58,14 @@ impl Fast {
         map: &mut DisparityMap,
         profile: &mut Profile,
     ) -> Result<(), MatchError> {
+        let asked = frame.bounds;
+        let frame = &widened(frame);
         let (columns, rows) = (frame.bounds.columns(), frame.bounds.rows());
         let space = SearchSpace::new(frame.size().0, frame.bounds, frame.range);
         let numbers = FixedPoint::new(&space);
         self.disparities.reshape(columns, rows, HOLE);
-        self.windows.resize_with(rows.div_ceil(height), SlidingWindow::default);
+        let bands = rows.div_ceil(height).max(rayon::current_num_threads());
+        self.windows.resize_with(bands, SlidingWindow::default);
         let mut gaps = Work::default();
         if space.count > 0 {
             let work = self.find_winners(frame, &space, numbers, height, map);
@@ -81,6 +84,7 @@ impl Fast {
             let work = self.smooth(frame, numbers, height, map);
             profile.end("median", work);
         }
+        map.empty_around(asked);
         Ok(())
     }
 
@@ -211,7 +215,7 @@ impl Fast {
 
 impl Pipeline for Fast {
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
-        let (bounds, (width, height)) = (frame.bounds, frame.size());
+        let (bounds, (width, height)) = (widened(frame).bounds, frame.size());
         let (columns, rows) = (bounds.columns(), bounds.rows());
         let grey = memory::grey(frame.left) + memory::grey(frame.right);
         let space = SearchSpace::new(width, bounds, frame.range);
@@ -234,6 +238,15 @@ impl Pipeline for Fast {
     }
 }
 
+/// The frame with its box as wide as what its right pixels may belong to instead: a narrow one would confirm for want
+/// of anything better what lies outside the right image.
+fn widened<'a>(frame: &Frame<'a>) -> Frame<'a> {
+    let (bounds, width, reach) = (frame.bounds, frame.size().0, frame.range.count() - 1);
+    let x0 = bounds.x0.saturating_sub(reach);
+    let x1 = (bounds.x1 + reach).min(width - 1);
+    Frame { bounds: BoundingBox { x0, x1, ..bounds }, ..*frame }
+}
+
 /// The rows of the box, in all their width.
 fn rows_of_box<'a, T>(frame: &Frame<'_>, plane: &'a mut Plane<T>) -> &'a mut [T] {
     let (columns, bounds) = (plane.columns(), frame.bounds);
@@ -246,7 +259,7 @@ mod tests {
     use crate::Holes;
     use crate::matcher::open_holes;
     use crate::matcher::tests::bits;
-    use raster::{BoundingBox, DisparityRange, Image};
+    use raster::{DisparityRange, Image};
 
     /// Something to match: a near square before a slanted wall, noise, and a blank corner.
     fn scene(columns: usize, rows: usize) -> [Image; 2] {

@@ -29,6 +29,7 @@ use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::columns_between;
 use crate::refinement::least_squares::{self, LeastSquares};
+use crate::refinement::outside;
 use crate::refinement::plane_fill::fill;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
@@ -37,7 +38,8 @@ use crate::selection::winner::Winners;
 use crate::{MatchError, Preset};
 
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
-/// nor is one that has no others to be compared with, at the end of the right image.
+/// nor is one that has no others to be compared with, at the end of the right image. Where only three
+/// disparities are tried none may be left but neighbours: then one of those must be larger by so much.
 const UNIQUE: u16 = 2;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;
@@ -193,9 +195,7 @@ impl SemiGlobalMatching {
         let Search { ingredients, level, rows, bands, .. } = search;
         let doubtful = ingredients.has(Ingredient::Descriptors).then_some(&self.doubtful);
         let sub_pixel = ingredients.has(Ingredient::SubPixel);
-        // A range of three disparities can leave none to compare a winner with.
-        let compared = ingredients.has(Ingredient::Uniqueness) && space.count > 3;
-        let least_margin = if compared { UNIQUE } else { 0 };
+        let least_margin = if ingredients.has(Ingredient::Uniqueness) { UNIQUE } else { 0 };
         let middle = SemiGlobal::middle(rows.count);
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
         let right = self.right.map.values.samples_mut().split_at_mut(middle * space.width);
@@ -378,14 +378,18 @@ impl SemiGlobalMatching {
         let medians = match space.count {
             0 => {
                 map.values.samples_mut().fill(nowhere);
+                // A column's reason is also that of the one between, which may see more.
+                let rows = map.values.samples().chunks_exact(width);
+                for (values, reasons) in rows.zip(map.reasons.samples_mut().chunks_exact_mut(width))
+                {
+                    outside::mark(level, width, 0, values, reasons);
+                }
                 Work::default()
             }
             _ => self.answer.smooth(search, bounds, map),
         };
         profile.end("median", medians);
-        map.values.fill_around(bounds, f32::NAN);
-        map.reasons.fill_around(bounds, Reason::OutsideBox);
-        map.confidence.fill_around(bounds, 0.0);
+        map.empty_around(bounds);
     }
 
     /// Confidence by nothing but the difference of the two views, which both must still be unchecked.

@@ -116,8 +116,8 @@ impl LeastSquares {
     pub fn refine(&mut self, level: Level, grey: [View<'_, u8>; 2], map: Map<'_>) -> Work {
         let (columns, rows) = map.values.size();
         let height = rows.div_ceil(rayon::current_num_threads());
-        self.bands.resize_with(rows.div_ceil(height), Band::default);
-        for (band, start) in self.bands.iter_mut().zip((0..).step_by(height)) {
+        self.bands.resize_with(rayon::current_num_threads(), Band::default);
+        for (band, start) in self.bands.iter_mut().zip((0..rows).step_by(height)) {
             let end = rows.min(start + height);
             keep(map.values, start.saturating_sub(RADIUS)..start, &mut band.before);
             keep(map.values, end..rows.min(end + RADIUS), &mut band.after);

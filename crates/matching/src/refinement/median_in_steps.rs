@@ -41,7 +41,8 @@ impl Medians {
         let Steps { steps, numbers, first: (x0, y0) } = map;
         let (dx, dy) = (bounds.x0 - x0, bounds.y0 - y0);
         let width = answer.values.columns();
-        self.0.resize_with(bounds.rows().div_ceil(height), Vec::new);
+        let bands = bounds.rows().div_ceil(height).max(rayon::current_num_threads());
+        self.0.resize_with(bands, Vec::new);
         let of_box = bounds.y0 * width..(bounds.y1 + 1) * width;
         let values = answer.values.samples_mut()[of_box.clone()].par_chunks_mut(height * width);
         let reasons = answer.reasons.samples_mut()[of_box].par_chunks_mut(height * width);

@@ -12,13 +12,17 @@ use crate::selection::winner::{self, Key, Winners, tip_of_v};
 /// A winner whose sum is so much below that of any other disparity has confidence 1/2.
 const HALF_SURE: f32 = 60.0;
 
+/// Of so few disparities a winner may have none to be compared with but its neighbours.
+const FEW: usize = 3;
+
 /// Some rows that are selected, in any order.
 pub(crate) struct Selection<'a> {
     pub level: Level,
     pub space: &'a SearchSpace,
     /// Whether disparities have fractions.
     pub sub_pixel: bool,
-    /// Winners of the left view with a smaller margin are no matches.
+    /// Winners of the left view with a smaller margin are no matches; of [`FEW`] disparities those that no
+    /// other one exceeds by as much.
     pub least_margin: u16,
     /// The first of the rows.
     pub first: usize,
@@ -47,9 +51,26 @@ impl Selection<'_> {
         let confidence = &mut self.confidence[row * columns..][..columns];
         let winners = (&self.winners.left[..], &self.winners.margins[..]);
         let Self { level, sub_pixel, least_margin, .. } = *self;
-        left_row(level, space, sub_pixel, least_margin, sums, winners, left, confidence);
+        let has_others = space.count > FEW;
+        let margin = if has_others { least_margin } else { 0 };
+        left_row(level, space, sub_pixel, margin, sums, winners, left, confidence);
+        if !has_others {
+            reject_flat(space, least_margin, sums, left);
+        }
         let right = &mut self.right[row * space.width..][..space.width];
         right_row(level, space, sub_pixel, sums, self.winners.right(space), right);
+    }
+}
+
+/// Takes out the winners of columns whose sums differ by less than `least`.
+fn reject_flat(space: &SearchSpace, least: u16, sums: &[u16], values: &mut [f32]) {
+    let columns = sums.chunks_exact(space.lanes).zip(values).enumerate();
+    for (column, (sums, value)) in columns {
+        let tried = sums.get(space.candidates(space.in_image(column))).unwrap_or_default();
+        let ends = tried.iter().max().zip(tried.iter().min());
+        if ends.is_some_and(|(most, fewest)| most - fewest < least) {
+            *value = f32::NAN;
+        }
     }
 }
 
@@ -206,9 +227,12 @@ mod tests {
         let known = winners.left.iter().zip(&winners.margins);
         let left = known.enumerate().map(|(x, (winner, &margin))| {
             let candidates = space.candidates(space.in_image(x));
-            let Some(k) = winner.disparity().filter(|_| margin >= selection.least_margin) else {
+            let Some(k) = winner.disparity() else { return f32::NAN };
+            let spread = candidates.clone().map(|other| (sum(x, other) - sum(x, k)) as u16).max();
+            let margin = if space.count > 3 { Some(margin) } else { spread };
+            if margin < Some(selection.least_margin) {
                 return f32::NAN;
-            };
+            }
             let inner = k > candidates.start && k + 1 < candidates.end;
             value(k, if inner { tip_of_v(sum(x, k - 1), sum(x, k), sum(x, k + 1)) } else { 0.0 })
         });
@@ -236,12 +260,15 @@ mod tests {
             (90, (7, 81), (-9, 30)),
             (20, (3, 12), (8, 60)),
             (9, (0, 8), (2, 2)),
+            (90, (0, 89), (-1, 1)),
+            (70, (5, 60), (4, 5)),
         ] {
             let bounds = BoundingBox::new(columns.0, 0, columns.1, 0).unwrap();
             let range = DisparityRange::new(range.0, range.1).unwrap();
             let spaces = [1, 2].map(|apart| SearchSpace::of_every(apart, width, bounds, range));
             let pairs = spaces[0].columns() * spaces[0].lanes;
-            let sums: Vec<u16> = (0..pairs).map(|_| random(400)).collect();
+            let many = if range.count() > 3 { 400 } else { 4 };
+            let sums: Vec<u16> = (0..pairs).map(|_| random(many)).collect();
             let cases = spaces.iter().flat_map(|space| [(space, true), (space, false)]);
             let levels = Level::available().into_iter();
             for (level, (space, sub_pixel)) in

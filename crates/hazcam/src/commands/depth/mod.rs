@@ -140,17 +140,14 @@ fn all<'a>(
     depths: &'a Plane<f32>,
     points: &'a [Point],
 ) -> Vec<Output<'a>> {
-    let of_depth = |&depth: &f32| {
-        let error = camera.depth_uncertainty(f64::from(depth), args.disparity_error);
-        let error = error.map(|error| error as f32).filter(|error| error.is_finite());
-        error.unwrap_or(f32::NAN)
-    };
     let mut all = Vec::new();
     if let Some(path) = &args.output {
         all.push(Output::new("--output", path, |path| write_depth(path, depths)));
     }
     if let Some(path) = &args.uncertainty {
-        let write = move |path: &Path| write_depth(path, &depths.map(of_depth));
+        let write = move |path: &Path| {
+            write_depth(path, &camera.depth_uncertainty_map(depths, args.disparity_error))
+        };
         all.push(Output::new("--uncertainty", path, write));
     }
     if let Some(path) = &args.points {

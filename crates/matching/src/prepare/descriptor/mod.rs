@@ -59,7 +59,7 @@ impl Descriptors {
         let image = Normalized::new(image);
         let (columns, rows) = out.size();
         let height = rows.div_ceil(rayon::current_num_threads());
-        self.bands.resize_with(rows.div_ceil(height), Band::default);
+        self.bands.resize_with(rayon::current_num_threads(), Band::default);
         let bands = out.samples_mut().par_chunks_mut(columns * height).zip(&mut self.bands);
         bands.enumerate().for_each(|(i, (out, Band { stream, row }))| {
             stream.begin(width);
