@@ -42,7 +42,7 @@ fn of(doubt: Doubt, range: DisparityRange) -> String {
     let (min, max) = (range.min(), range.max());
     match doubt {
         Doubt::HardlyMatched(_) => format!(
-            "hardly any pixels are matched, so this is hardly an answer. Either `left` is not the \
+            "few pixels are matched, so this is to be doubted. Either `left` is not the \
              left image of the two (exchange them), or things lie outside disparities {min} to {max} \
              (raise `max_disparity`, lower `min_disparity`), or the two are no rectified pair of one \
              scene (rectify them), or they have no texture"

@@ -29,7 +29,7 @@ def test_a_sound_pair_is_not_doubted(preset):
 def test_a_pair_of_which_hardly_anything_matches_is_doubted():
     (left, _), (_, right) = dots(seed=1), dots(seed=2)
     expected = (
-        "hardly any pixels are matched, so this is hardly an answer. Either `left` is not the left "
+        "few pixels are matched, so this is to be doubted. Either `left` is not the left "
         "image of the two (exchange them), or things lie outside disparities -3 to 32 (raise "
         "`max_disparity`, lower `min_disparity`), or the two are no rectified pair of one scene "
         "(rectify them), or they have no texture"

@@ -8,6 +8,10 @@ use formats::CalibrationLayout;
 
 use crate::ui::Ui;
 
+/// Of cameras that look at scenes: pixels of the focal length at the least, metres of baselines.
+const LEAST_FOCAL: f64 = 10.0;
+const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=20.0;
+
 #[derive(clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
@@ -58,10 +62,14 @@ impl CameraArguments {
         image: Option<&Path>,
         ui: &Ui,
     ) -> anyhow::Result<Option<StereoCamera>> {
-        match &self.calibration {
+        let camera = match &self.calibration {
             Some(path) => calibrated(path, size, image, ui).map(Some),
             None => self.stated(size),
+        }?;
+        if let Some(doubt) = camera.as_ref().and_then(doubt) {
+            ui.note(doubt);
         }
+        Ok(camera)
     }
 
     fn stated(&self, size: (usize, usize)) -> anyhow::Result<Option<StereoCamera>> {
@@ -69,6 +77,23 @@ impl CameraArguments {
         let [cx, cy] = self.principal.unwrap_or_else(|| camera::middle(size));
         let camera = StereoCamera::new(focal, baseline, self.doffs, cx, cy);
         camera.map(Some).context("the numbers given make no camera")
+    }
+}
+
+/// What is unusual about a camera, as it is where a number is in another unit.
+fn doubt(camera: &StereoCamera) -> Option<String> {
+    let StereoCamera { focal_px, baseline_m, .. } = *camera;
+    if focal_px < LEAST_FOCAL {
+        Some(format!(
+            "the focal length is {focal_px} px, which is less than cameras have: is it in millimetres or metres? \
+             Divide it by the width of a pixel"
+        ))
+    } else if !BASELINES.contains(&baseline_m) {
+        Some(format!(
+            "the baseline is {baseline_m} m, which is unusual: was it in metres (Middlebury's calib.txt: millimetres)?"
+        ))
+    } else {
+        None
     }
 }
 
@@ -122,6 +147,17 @@ fn calibrated(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_in_other_units_are_doubted() {
+        let about =
+            |focal, baseline| doubt(&StereoCamera::new(focal, baseline, 0.0, 0.0, 0.0).unwrap());
+        assert_eq!([about(700.0, 0.12), about(10.0, 0.001), about(5e3, 20.0)], [None, None, None]);
+        assert!(about(0.004, 0.12).unwrap().contains("focal length is 0.004 px"));
+        for baseline in [1.67e-4, 120.0] {
+            assert!(about(700.0, baseline).unwrap().contains("the baseline is"));
+        }
+    }
 
     #[test]
     fn a_principal_point_is_two_numbers() {

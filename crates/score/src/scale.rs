@@ -6,12 +6,12 @@
 
 use crate::Pixels;
 
-/// Factors that occur between files.
-const FACTORS: [f64; 6] = [2.0, 3.0, 4.0, 8.0, 16.0, 256.0];
+/// Factors that occur between files; -1 where somebody counts from right to left.
+const FACTORS: [f64; 7] = [-1.0, 2.0, 3.0, 4.0, 8.0, 16.0, 256.0];
 /// An error above this many pixels is bad.
 const BAD: f64 = 2.0;
 
-/// The factor by which the estimate seems to be too large (below 1: too small), or `None`.
+/// The factor by which the estimate seems to be too large (below 1: too small; -1: of the other sign), or `None`.
 ///
 /// It is suspected only when most estimates are bad as they are and dividing them by the factor
 /// makes fewer than half as many bad. A guess for a message: nothing is rescaled.

@@ -106,7 +106,7 @@ class Matcher:
         Warns
         -----
         HazcamWarning
-            Where hardly anything matched, matches pile up at an end of the range, the images stand
+            Where little matched, matches pile up at an end of the range, the images stand
             far off vertically, or samples leave their upper bits unused. Python shows each once for
             a line of your program.
         """

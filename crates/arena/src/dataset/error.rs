@@ -19,7 +19,7 @@ pub enum DatasetError {
     /// The folder holds nothing that looks like a scene.
     #[error(
         "no scene was found in {}: neither a scenes.json nor one of the known layouts (Middlebury, \
-         ETH3D, KITTI, the course's)",
+         ETH3D, KITTI, the course's); links to folders are not followed",
         path.display()
     )]
     NoScenes {

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use formats::{
-    FormatError, read_bounding_box, read_calibration, read_disparity, read_image, read_mask,
-};
+use formats::{read_bounding_box, read_calibration, read_disparity, read_image, read_mask};
 use raster::{BoundingBox, DisparityRange, Image, Plane};
 use score::masks::{SAME_SURFACE, non_occluded};
 
 use super::case::{CaseData, CaseRegion, Files, TruthFile};
 use super::error::DatasetError;
 
+/// What the protocol says where nothing else tells the range.
+pub const RANGE_BY_TRUTH: &str = "range by the largest true disparity";
 /// What the protocol calls it.
 const TRUTH_RIGHT: &str = "truth of the right view";
 
@@ -162,7 +162,6 @@ fn assumed_range(
                     return Ok(DisparityRange::new(0, count as i32 - 1)?);
                 }
             }
-            Err(FormatError::WrongKind { .. }) => {}
             Err(error) => return Err(error.into()),
         }
     }
@@ -171,7 +170,7 @@ fn assumed_range(
     });
     let highest = match highest {
         Some(highest) => {
-            protocol.push("range by the largest true disparity".into());
+            protocol.push(RANGE_BY_TRUTH.into());
             highest.ceil() as i32
         }
         None => {

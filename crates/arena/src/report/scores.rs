@@ -1,6 +1,8 @@
 //! One row for each scene, engine and region.
 
+use super::in_order;
 use super::table::{Cell, Column, Table};
+use crate::dataset::RANGE_BY_TRUTH;
 use crate::engine::Status;
 use crate::record::Record;
 
@@ -86,6 +88,15 @@ pub const LEGEND: [&str; 6] = [
     "CPU, wall, MB: the engine's process as seen from outside, from sending the pair to its \
      answer; MB is its peak",
 ];
+
+/// Says on how many scenes matchers were told a range by the truth, if on any.
+pub fn ranges_by_truth(records: &[Record]) -> Option<String> {
+    let told = |record: &&Record| record.protocol.iter().any(|line| line == RANGE_BY_TRUTH);
+    let scenes = in_order(records.iter().filter(told).map(|record| record.case.as_str()));
+    (!scenes.is_empty()).then(|| {
+        format!("{RANGE_BY_TRUTH} on {} scenes, of which nothing else states one", scenes.len())
+    })
+}
 
 /// What came of an engine that gave no answer.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -134,7 +134,8 @@ pub fn write_calibration(
 pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
                   P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
-                  projection_matrix of ROS's right camera, or f= and baseline_m=";
+                  projection_matrix of ROS's right camera, or f= and baseline_m=; or give focal \
+                  length and baseline (--focal PX --baseline METRES)";
     let text = match std::str::from_utf8(&source.bytes) {
         Ok(text) if text.len() <= LONGEST => text,
         _ => return Err(source.wrong_kind("no short text", needed)),
@@ -145,6 +146,13 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
         return opencv::parse(source, text);
     }
     let entries = Entries::of(source, text);
+    if entries.has("T_cn_cnm1") {
+        return Err(source.wrong_kind(
+            "Kalibr's calibration of cameras that are not rectified yet",
+            "rectify the images first (OpenCV: stereoRectify, initUndistortRectifyMap, remap), then give the \
+             P1 and P2 of stereoRectify, or --focal PX --baseline METRES",
+        ));
+    }
     if entries.has("cam0") {
         middlebury::parse(&entries)
     } else if entries.has("baseline_m") {
@@ -294,8 +302,12 @@ impl<'a> Entries<'a> {
         cx: f64,
         cy: f64,
     ) -> Result<StereoCamera, FormatError> {
-        StereoCamera::new(focal_px, baseline_m, doffs, cx, cy)
-            .map_err(|error| self.fail(None, error.to_string()))
+        StereoCamera::new(focal_px, baseline_m, doffs, cx, cy).map_err(|error| {
+            let exchanged = focal_px > 0.0 && baseline_m < 0.0;
+            let remedy =
+                if exchanged { ": are the left and the right camera exchanged?" } else { "" };
+            self.fail(None, format!("{error}{remedy}"))
+        })
     }
 
     fn fail(&self, at: impl Into<Option<u64>>, problem: String) -> FormatError {
@@ -318,6 +330,12 @@ mod tests {
             let error = read(&text.replace(from, to)).unwrap_err();
             assert!(error.contains(words), "{error}");
         }
+    }
+
+    #[test]
+    fn kalibr_has_no_rectified_cameras() {
+        let text = "cam0:\n  intrinsics: [700, 700, 320, 240]\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.1]\n";
+        assert!(read(text).unwrap_err().contains("rectify the images first"));
     }
 
     #[test]

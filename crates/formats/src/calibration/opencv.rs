@@ -35,7 +35,7 @@ pub(super) fn parse(source: &Source, text: &str) -> Result<Calibration, FormatEr
     let storage: Storage = yaml::read(&entries, body)?;
     let (Some(left), Some(right)) = (storage.left, storage.right) else {
         let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
-                       give focal length and baseline";
+                       give focal length and baseline (--focal PX --baseline METRES)";
         return Err(entries.fail(None, problem.into()));
     };
     let [left, right] = [left.projection(&entries, "P1")?, right.projection(&entries, "P2")?];

@@ -71,6 +71,7 @@ pub struct Args {
     /// By how much disparities are off, in pixels: what that is worth in depth is told
     #[arg(long, value_name = "PX", default_value_t = 0.5, help_heading = "What is shown")]
     #[arg(value_parser = arguments::positive, requires = "CameraArguments")]
+    #[arg(allow_negative_numbers = true)]
     disparity_error: f64,
 
     /// Where to write the page: .html

@@ -108,6 +108,7 @@ fn what_a_calibration_leaves_open_is_told() {
             "cameras 0 and 1, the grey ones, were assumed",
         ),
         (colour.to_owned(), ""),
+        (opencv.replace("-84", "-84000"), "the baseline is 120 m, which is unusual"),
         (opencv, "the baseline of 0.12 is taken as metres"),
     ] {
         std::fs::write(folder.path("camera"), text).unwrap();

@@ -262,6 +262,9 @@ fn a_pair_that_is_none_is_warned_of_though_notes_are_off() {
     dark.unwrap();
     let outcome = folder.run("match dark.png dark.png -o d.pfm -d 20").done();
     assert!(outcome.stderr.contains("warning: only 0.0 % of the pixels"), "{}", outcome.stderr);
+    let outcome = folder.run("-q match left.png left.png -o d.pfm -d 20").done();
+    let told = "warning: left.png and left.png hold the same image";
+    assert!(outcome.stderr.starts_with(told), "{}", outcome.stderr);
 }
 
 #[test]

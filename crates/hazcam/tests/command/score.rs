@@ -110,6 +110,27 @@ fn a_truth_read_at_the_wrong_scale_is_told() {
 }
 
 #[test]
+fn an_estimate_in_other_units_or_of_the_other_sign_is_told() {
+    let folder = Folder::new();
+    let truth: Vec<f32> = (0..60).map(|x| 10.0 + x as f32 / 2.0).collect();
+    folder.disparities("truth.pfm", &truth);
+    // Sixteenths of a pixel, as OpenCV has them.
+    let samples = truth.iter().map(|&d| (16.0 * d) as u16).collect();
+    let image = Image::Grey16(Plane::new(60, 1, samples).unwrap());
+    formats::write_image(folder.path("d.png"), &image).unwrap();
+    folder.disparities("d.pfm", &truth.iter().map(|d| -d).collect::<Vec<_>>());
+    for (estimate, told) in [
+        ("d.png", "d.png were multiplied by 16: read it with --estimate-encoding png16/16"),
+        ("d.pfm", "with the other sign: d.pfm"),
+    ] {
+        let outcome = folder.run(&format!("score {estimate} truth.pfm")).done();
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
+    let again = folder.run("score d.png truth.pfm --estimate-encoding png16/16").done();
+    assert_eq!(again.stderr, "");
+}
+
+#[test]
 fn an_estimate_without_a_value_is_all_bad() {
     let folder = Folder::new();
     folder.disparities("d.pfm", &[f32::NAN]);

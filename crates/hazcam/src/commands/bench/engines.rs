@@ -34,13 +34,25 @@ pub struct EngineArguments {
     pub threads: usize,
 
     /// How often each pair is matched; the times of the median run are shown [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    repeat: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = repeat, allow_negative_numbers = true)]
+    repeat: Option<usize>,
 
     /// Seconds (wall time) after which an engine is killed
     #[arg(long, value_name = "S", default_value = "600")]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(value_parser = seconds, allow_negative_numbers = true)]
     time_limit: u64,
+}
+
+/// How often a pair is matched.
+fn repeat(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=10_000).contains(count));
+    count.ok_or_else(|| "give a whole number from 1 to 10000".into())
+}
+
+/// How long a pair may take.
+fn seconds(text: &str) -> Result<u64, String> {
+    let count = text.parse().ok().filter(|&count| count > 0);
+    count.ok_or_else(|| "give whole seconds, 1 or more".into())
 }
 
 impl EngineArguments {
@@ -53,7 +65,8 @@ impl EngineArguments {
     ) -> anyhow::Result<Vec<Definition>> {
         let mut known = Engines::built_in();
         if let Some(folder) = arguments::or_variable(self.engines.as_deref(), "HAZCAM_ENGINES") {
-            known.add_folder(&folder)?;
+            let said_by = if self.engines.is_some() { "--engines" } else { "HAZCAM_ENGINES" };
+            known.add_folder(&folder).with_context(|| said_by)?;
         }
         let own = Preset::ALL.map(Preset::name);
         let mut wanted: Vec<&str> = match self.matcher.is_empty() {
@@ -103,7 +116,7 @@ impl EngineArguments {
 
     /// How often each pair is matched.
     pub fn repeats(&self, default: usize) -> usize {
-        self.repeat.map_or(default, |count| count as usize)
+        self.repeat.unwrap_or(default)
     }
 
     /// Hazcam's own matchers that the user has chosen by name.

@@ -52,7 +52,11 @@ impl SceneArguments {
                 folder.display()
             );
         } else if cases.is_empty() {
-            bail!("{} has no scene of the use that was asked for", folder.display());
+            let purpose = self.purpose.as_deref().unwrap_or_default();
+            bail!(
+                "{} has no scene of the use that was asked for, --use {purpose}",
+                folder.display()
+            );
         }
         matching(cases, |case| &case.id, self.scenes.as_deref())
     }

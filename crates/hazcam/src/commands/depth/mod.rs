@@ -60,6 +60,7 @@ pub struct Args {
 
     /// Leave out what is farther away than this, in metres
     #[arg(long, value_name = "M", help_heading = "Which pixels", value_parser = arguments::positive)]
+    #[arg(allow_negative_numbers = true)]
     max_depth: Option<f64>,
 
     /// Where to write the depth: .pfm, .npy, .tiff, or .png in millimetres
@@ -81,7 +82,7 @@ pub struct Args {
 
     /// By how much disparities are off, in pixels
     #[arg(long, value_name = "PX", default_value_t = 0.5, help_heading = "Output")]
-    #[arg(value_parser = arguments::positive)]
+    #[arg(value_parser = arguments::positive, allow_negative_numbers = true)]
     disparity_error: f64,
 
     /// Print JSON

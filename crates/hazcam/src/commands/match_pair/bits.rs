@@ -6,6 +6,12 @@ use anyhow::bail;
 use matching::few_bits;
 use raster::Image;
 
+/// How many bits samples have.
+pub fn number(text: &str) -> Result<u32, String> {
+    let bits = text.parse().ok().filter(|bits| (1..=u16::BITS).contains(bits));
+    bits.ok_or_else(|| "give a whole number from 1 to 16".into())
+}
+
 /// The images of two files whose samples have so many bits, over all 16.
 pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 2]> {
     for (path, image) in &files {

@@ -21,7 +21,7 @@ use sidecar::{Inputs, Sidecar};
 /// Match two rectified images: a disparity for every pixel of the left one
 ///
 /// The images must be rectified: a point of the scene lies in the same row of both. What rectification
-/// left of that, up to about four rows, balanced and best find and mend. A disparity d says that left
+/// left of that, up to about three and a half rows, balanced and best find and mend. A disparity d says that left
 /// (x, y) shows what right (x - d, y) shows; it is in pixels.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -84,7 +84,7 @@ pub struct Args {
 
     /// Answer only these pixels: x0,y0,x1,y1, inclusive, or the course's *_bounds.npy [default:
     /// the whole image]
-    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
+    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box, allow_hyphen_values = true)]
     #[arg(help_heading = "Matching")]
     bounds: Option<GivenBox>,
 
@@ -96,7 +96,7 @@ pub struct Args {
     /// How many bits the camera gave the samples of 16-bit images, where they are stored as they are: 10
     /// and 12 are usual. They are spread over all 16 [default: 16]
     #[arg(long, value_name = "N", help_heading = "Matching")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(value_parser = bits::number, allow_negative_numbers = true)]
     bits: Option<u32>,
 
     /// Threads to use; the answer does not depend on it [default: one per core]
@@ -192,6 +192,13 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         100.0 * sidecar.matched(),
         if options.holes == Holes::Fill { ", the rest filled" } else { ", the rest left open" },
     ));
+    if left == right {
+        ui.warn(format_args!(
+            "{} and {} hold the same image: a pair shows the scene from two places",
+            args.left.display(),
+            args.right.display()
+        ));
+    }
     for doubt in doubts(map, bounds, options.range) {
         tell(doubt, &args, options.range, ui);
     }
@@ -208,7 +215,7 @@ fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
     let (min, max) = (range.min(), range.max());
     match doubt {
         Doubt::HardlyMatched(share) => ui.warn(format_args!(
-            "only {:.1} % of the pixels are matched, so {} is hardly an answer. Either {} is not \
+            "only {:.1} % of the pixels are matched, so {} is to be doubted. Either {} is not \
              the left image of the two (exchange them), or things lie outside disparities {min} to \
              {max} (raise --max-disparity, lower --min-disparity), or the two are no rectified pair \
              of one scene (rectify them), or they have no texture",

@@ -53,7 +53,7 @@ pub struct Args {
 
     /// Score only these pixels: x0,y0,x1,y1, inclusive, or the course's *_bounds.npy [default:
     /// the whole image]
-    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
+    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box, allow_hyphen_values = true)]
     #[arg(help_heading = "Region")]
     bounds: Option<GivenBox>,
 
@@ -124,23 +124,35 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
 /// Which of the two files seems to be read at the wrong scale, and what to say instead.
 fn scale_warning(args: &Args, factor: f64, estimate: Encoding, truth: Encoding) -> String {
+    let estimate = (&args.estimate, estimate, "--estimate-encoding");
+    let truth = (&args.truth, truth, "--truth-encoding");
+    if factor < 0.0 {
+        let estimate = estimate.0.display();
+        return format!(
+            "most disparities are bad, but would not be with the other sign: {estimate} seems to say right less left, \
+             and disparities are left less right"
+        );
+    }
     let times = factor.max(1.0 / factor);
-    // The file whose values are larger lacks a divisor, if it is a file that has one.
-    let (larger, encoding, option) = match factor > 1.0 {
-        true => (&args.estimate, estimate, "--estimate-encoding"),
-        false => (&args.truth, truth, "--truth-encoding"),
-    };
-    let remedy = match encoding {
+    let (larger, smaller) = if factor > 1.0 { (estimate, truth) } else { (truth, estimate) };
+    let divided_by = |(_, encoding, option): (_, Encoding, &str), times: f64| match encoding {
         Encoding::Png8 { divisor } => {
-            format!(": read it with {option} png8/{}", f64::from(divisor) * times)
+            Some(format!("read it with {option} png8/{}", f64::from(divisor) * times))
         }
         Encoding::Png16 { divisor } => {
-            format!(": read it with {option} png16/{}", f64::from(divisor) * times)
+            Some(format!("read it with {option} png16/{}", f64::from(divisor) * times))
         }
-        _ => format!(", or the other file is read with a divisor {times} times too large"),
+        _ => None,
     };
+    // A file that has a divisor may have been read with another one than it was written with.
+    let (path, change, remedy) = match (divided_by(larger, times), divided_by(smaller, 1.0 / times))
+    {
+        (None, Some(remedy)) => (smaller.0, "multiplied", Some(remedy)),
+        (remedy, _) => (larger.0, "divided", remedy),
+    };
+    let remedy = remedy.map_or_else(String::new, |remedy| format!(": {remedy}"));
     format!(
-        "most disparities are bad, but would not be if those of {} were divided by {times}{remedy}",
-        larger.display()
+        "most disparities are bad, but would not be if those of {} were {change} by {times}{remedy}",
+        path.display()
     )
 }
