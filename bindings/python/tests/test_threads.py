@@ -107,6 +107,20 @@ def test_answers_travel_between_processes():
     assert np.array_equal(copy.deepcopy(found).reasons, found.reasons)
 
 
+class Tagged(hazcam.Matcher):
+    tag = "none"
+
+
+def test_a_matcher_keeps_what_others_make_of_it():
+    matcher = Tagged("fast", without=iter(()))
+    matcher.tag = "mine"
+    again = pickle.loads(pickle.dumps(matcher))
+    assert (type(again), again.tag) == (Tagged, "mine")
+    without = hazcam.Matcher("balanced", without=iter(["median"]))
+    assert "without=('median',)" in repr(without)
+    assert repr(pickle.loads(pickle.dumps(without))) == repr(without)
+
+
 def test_a_matcher_travels_as_what_it_is_made_of():
     matcher = hazcam.Matcher(
         "balanced", 16, min_disparity=-2, holes="keep", without=("median",)

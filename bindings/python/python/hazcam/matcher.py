@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any, Literal, TypeAlias
 
@@ -69,6 +69,8 @@ class Matcher:
         holes: Holes = "fill",
         without: Sequence[str] = (),
     ) -> None:
+        if isinstance(without, Iterable) and not isinstance(without, str):
+            without = tuple(without)  # Once: it may give its names a single time.
         self._matcher = _hazcam.Matcher(
             preset, max_disparity, min_disparity, threads, memory, holes, without
         )
@@ -78,7 +80,7 @@ class Matcher:
             "threads": threads,
             "memory": memory,
             "holes": holes,
-            "without": tuple(without),
+            "without": without,
         }
 
     def compute(self, left: Image, right: Image, box: ArrayLike | None = None) -> DisparityMap:
@@ -93,8 +95,8 @@ class Matcher:
             uint16 want ``left << np.uint16(4)``.
         box
             ``(x0, y0, x1, y1)``: the first column and row and the last column and row to answer,
-            all part of the box. The whole image unless given. A box is answered from what it
-            shows, not cut out of the answer to the whole image: near its edges the two differ.
+            all part of the box. The whole image unless given. A box is not cut out of the answer
+            to the whole image: near its edges the two differ.
 
         Raises
         ------
@@ -125,8 +127,9 @@ class Matcher:
         return f"hazcam.Matcher({preset!r}, {max_disparity}, {options})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # What it is made of: threads and memory stay with their process.
-        return partial(type(self), **self._options), self._searched
+        # What it is made of: threads and memory stay with their process. What others have added goes along.
+        added = getattr(self, "__dict__", None)
+        return partial(type(self), **self._options), self._searched, added or None
 
 
 def match(

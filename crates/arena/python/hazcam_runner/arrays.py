@@ -27,6 +27,12 @@ def _grey(samples):
     return (luma / (1000.0 * scale)).astype(np.float32)
 
 
+def kind(value):
+    """The type of a value with its article."""
+    name = type(value).__name__
+    return ("an " if name[0].lower() in "aeiou" else "a ") + name
+
+
 def disparity(answer, shape):
     """The answer as a float32 array of this shape; raises BadAnswer when it is none."""
     if answer is None:
@@ -35,8 +41,8 @@ def disparity(answer, shape):
         )
     if not isinstance(answer, np.ndarray):
         raise BadAnswer(
-            "the function returned a {}, but a numpy array with the shape of Il is needed".format(
-                type(answer).__name__
+            "the function returned {}, but a numpy array with the shape of Il is needed".format(
+                kind(answer)
             )
         )
     if answer.dtype.kind not in "biuf":

@@ -19,7 +19,7 @@ def explain(error, folder):
         return "RE", _syntax(error, folder)
     kind = "ML" if isinstance(error, MemoryError) else "RE"
     lines = _frames(error, folder)
-    text = "{}: {}".format(type(error).__name__, error) if str(error) else type(error).__name__
+    text = _in_words(error)
     # Where the submission lies while it is graded is no help.
     text = text.replace(os.path.join(folder, ""), "")
     lines.append(text)
@@ -27,6 +27,15 @@ def explain(error, folder):
     if hint:
         lines.append("hint: " + hint)
     return kind, "\n".join(lines)
+
+
+def _in_words(error):
+    """Its type, and what it says if it can be asked."""
+    try:
+        said = str(error)
+    except Exception:
+        said = ""
+    return "{}: {}".format(type(error).__name__, said) if said else type(error).__name__
 
 
 def _frames(error, folder):

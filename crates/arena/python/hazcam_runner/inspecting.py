@@ -9,7 +9,7 @@ import os
 import time
 import unicodedata
 
-from hazcam_runner import explaining, loading, older
+from hazcam_runner import arrays, explaining, loading, older
 
 MODULES = ("stereo_disparity_fast", "stereo_disparity_best")
 IDENTIFIER = "secret_id"
@@ -46,7 +46,8 @@ def _look(path, name):
         yield (*explaining.syntax_parts(error), True)
         return
     except ValueError as error:
-        yield None, "it is no Python source: {}".format(error), True
+        text = "it is no Python source: {}; save it as UTF-8".format(error)
+        yield None, text, True
         return
     except (MemoryError, RecursionError) as error:
         text = "{}: Python cannot read it, because an expression or a block is nested too deeply"
@@ -77,19 +78,24 @@ def _signature(tree, name):
                 name, count
             )
         )
-        yield function.lineno, text, True
+        # What is called may be something else than what is written here.
+        changed = function.decorator_list or _may_come_from_elsewhere(tree, name, function)
+        yield function.lineno, text, not changed
 
 
-def _may_come_from_elsewhere(tree, name):
-    """Whether the name is imported, assigned, or may come with `import *`."""
+def _may_come_from_elsewhere(tree, name, known=None):
+    """Whether the name is imported, assigned, or may come with `import *` or without being written."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             if any((each.asname or each.name) in (name, "*") for each in node.names):
                 return True
         if isinstance(node, ast.Name) and node.id == name and isinstance(node.ctx, ast.Store):
             return True
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name == name:
+        if isinstance(node, ast.Name) and node.id in ("globals", "setattr", "exec", "vars"):
             return True
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name == name:
+            if node is not known:
+                return True
     return False
 
 
@@ -162,9 +168,10 @@ def _identify(folder):
         identifier = loading.function(folder, IDENTIFIER)()
     except BaseException as error:
         return None, explaining.explain(error, folder)[1]
-    if not isinstance(identifier, str):
-        return None, "secret_id() returned a {}, but a string is needed".format(
-            type(identifier).__name__
+    # Of a class made from it the protocol would not know what it is.
+    if type(identifier) is not str:
+        return None, "secret_id() returned {}, but a string (str) is needed".format(
+            arrays.kind(identifier)
         )
     if not SHORTEST <= len(identifier) <= LONGEST or not identifier.isprintable():
         return None, (

@@ -4,7 +4,7 @@ import importlib
 import os
 import sys
 
-from hazcam_runner import older
+from hazcam_runner import arrays, older
 
 
 class Unusable(Exception):
@@ -21,8 +21,8 @@ def function(folder, name):
         raise Unusable("{0}.py has no function {0}{1}".format(name, also))
     if not callable(found):
         raise Unusable(
-            "{0} in {0}.py is a {1} and no function: write `def {0}(...):`".format(
-                name, type(found).__name__
+            "{0} in {0}.py is {1} and no function: write `def {0}(...):`".format(
+                name, arrays.kind(found)
             )
         )
     return found

@@ -43,6 +43,18 @@ NUMPY_ALIASES = {
     "infty": "np.inf",
     "PINF": "np.inf",
     "NaN": "np.nan",
+    "NAN": "np.nan",
+    "bool8": "np.bool_",
+    "string_": "np.bytes_",
+    "unicode_": "np.str_",
+    "int0": "np.intp",
+    "uint0": "np.uintp",
+    "cfloat": "np.complex128",
+    "singlecomplex": "np.complex64",
+    "longfloat": "np.longdouble",
+    "clongfloat": "np.clongdouble",
+    "longcomplex": "np.clongdouble",
+    "mat": "np.asmatrix",
     "alltrue": "np.all",
     "sometrue": "np.any",
     "product": "np.prod",
@@ -51,6 +63,18 @@ NUMPY_ALIASES = {
     "in1d": "np.isin",
     "row_stack": "np.vstack",
     "trapz": "np.trapezoid",
+}
+
+# What has no other name, but is as easily written.
+NUMPY_PHRASES = {
+    "NINF": ("-np.inf", -numpy.inf),
+    "NZERO": ("-0.0", -0.0),
+    "PZERO": ("0.0", 0.0),
+    "msort": ("np.sort(a, axis=0)", lambda a: numpy.sort(a, axis=0)),
+    "asfarray": (
+        "np.asarray(a, dtype=float)",
+        lambda a, dtype=numpy.float64: numpy.asarray(a, dtype=dtype),
+    ),
 }
 
 # Namespaces of scipy.ndimage whose functions all live in scipy.ndimage itself.
@@ -80,14 +104,21 @@ def stands_in(module):
 
 def gone():
     """The names that this machine's numpy lacks, with what they were."""
-    return {old: now for old, now in NUMPY_ALIASES.items() if old not in numpy.__dict__}
+    known = {old: now for old, (now, _) in NUMPY_PHRASES.items()}
+    known.update(NUMPY_ALIASES)
+    return {old: now for old, now in known.items() if old not in numpy.__dict__}
 
 
 def restore():
     """Puts back what is gone, and makes stand-ins for what is not installed."""
     for old, now in gone().items():
-        of_numpy = now.startswith("np.")
-        setattr(numpy, old, getattr(numpy, now[3:]) if of_numpy else getattr(builtins, now))
+        if old in NUMPY_PHRASES:
+            value = NUMPY_PHRASES[old][1]
+        elif now.startswith("np."):
+            value = getattr(numpy, now[3:])
+        else:
+            value = getattr(builtins, now)
+        setattr(numpy, old, value)
     if not hasattr(time, "clock"):
         time.clock = time.process_time
     sys.meta_path.append(_NdimageParts())

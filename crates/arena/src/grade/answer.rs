@@ -112,7 +112,7 @@ fn clip(disparity: &mut Plane<f32>, scene: &Scene, max: f32) -> Result<usize, St
             if !value.is_finite() {
                 if truth[x].is_finite() && truth[x] != 0.0 {
                     broken += 1;
-                    first.get_or_insert((x, y, value));
+                    first.get_or_insert((x, y));
                 }
             } else if !(0.0..=max).contains(&value) {
                 row[x] = value.clamp(0.0, max);
@@ -121,9 +121,9 @@ fn clip(disparity: &mut Plane<f32>, scene: &Scene, max: f32) -> Result<usize, St
         }
     }
     match first {
-        Some((x, y, value)) => Err(format!(
-            "{broken} pixels of the box are no finite numbers, the first in column {x}, row {y}: {value}; \
-             give every pixel of the box a disparity from 0 to {max}"
+        Some((x, y)) => Err(format!(
+            "{broken} pixels of the box are no finite numbers (NaN, infinite or masked), the first in column {x}, \
+             row {y}; give every pixel of the box a disparity from 0 to {max}"
         )),
         None => Ok(clipped),
     }
@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(failure.outcome, Outcome::Bad);
         let message = failure.message;
         assert!(message.starts_with("2 pixels of the box are no finite numbers"), "{message}");
-        assert!(message.contains("column 1, row 0: NaN"), "{message}");
+        assert!(message.contains("masked), the first in column 1, row 0;"), "{message}");
     }
 
     #[cfg(unix)]

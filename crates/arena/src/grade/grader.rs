@@ -11,7 +11,7 @@ use super::entrant::Entrant;
 use super::outcome::Outcome;
 use super::report::{PROTOCOL, Report, TestResult};
 use super::scene::{Scene, Scenes};
-use super::scheme::{Scheme, Test};
+use super::scheme::{Scheme, Test, total};
 use super::verdict::Failure;
 use crate::engine::Programs;
 use crate::submission::{Finding, Inspection, Runner};
@@ -83,7 +83,7 @@ impl Grader<'_> {
             entrant: name.to_owned(),
             secret_id: inspection.secret_id,
             findings: inspection.findings,
-            points: tests.iter().map(|test| test.points).sum(),
+            points: total(tests.iter().map(|test| test.points)),
             max_points: self.scheme.points(),
             tests,
             protocol: PROTOCOL.to_owned(),

@@ -22,10 +22,30 @@ impl Table {
     }
 }
 
-/// A cell in which nothing ends the cell or is HTML.
+/// A cell in which nothing ends the cell, is HTML, a link, a picture or emphasis.
 fn escaped(cell: &str) -> String {
-    let html = cell.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-    html.replace('|', "\\|")
+    let mut text = String::new();
+    for (at, letter) in cell.char_indices() {
+        match letter {
+            '&' => text.push_str("&amp;"),
+            '<' => text.push_str("&lt;"),
+            '>' => text.push_str("&gt;"),
+            '@' => text.push_str("&#64;"),
+            // What looks like an address becomes a link by itself.
+            ':' if cell[at..].starts_with("://") => text.push_str("&#58;"),
+            '.' if cell[..at].to_lowercase().ends_with("www") => text.push_str("&#46;"),
+            '|' | '\\' | '`' | '*' | '[' | ']' | '~' => text.extend(['\\', letter]),
+            '_' if !is_within_a_word(cell, at) => text.extend(['\\', letter]),
+            _ => text.push(letter),
+        }
+    }
+    text
+}
+
+/// Whether there are letters or digits at both sides: an underscore there is only itself.
+fn is_within_a_word(cell: &str, at: usize) -> bool {
+    let (before, after) = (cell[..at].chars().next_back(), cell[at..].chars().nth(1));
+    [before, after].into_iter().all(|letter| letter.is_some_and(char::is_alphanumeric))
 }
 
 #[cfg(test)]
@@ -48,5 +68,18 @@ mod tests {
             Table { columns: vec![Column::new("a")], rows: vec![vec![Cell::text("<b>R&D</b>")]] };
         let last = "| &lt;b&gt;R&amp;D&lt;/b&gt; |\n";
         assert!(table.to_markdown().ends_with(last), "{}", table.to_markdown());
+    }
+
+    #[test]
+    fn a_name_is_no_link_no_picture_and_no_emphasis() {
+        for (name, shown) in [
+            ("![p](//e.x/p.png)", r"!\[p\](//e.x/p.png)"),
+            ("http://e.x www.e.x a@e.x", "http&#58;//e.x www&#46;e.x a&#64;e.x"),
+            ("__init__ *x* `y` ~~z~~", r"\_\_init\_\_ \*x\* \`y\` \~\~z\~\~"),
+            (r"a\|b", r"a\\\|b"),
+            ("playground_1l: 0.5", "playground_1l: 0.5"),
+        ] {
+            assert_eq!(escaped(name), shown);
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Aligned columns for the terminal: words to the left, numbers to the right.
 
+use unicode_width::UnicodeWidthStr;
+
 use super::table::{Cell, Table};
 
 impl Table {
@@ -9,17 +11,17 @@ impl Table {
         let columns = self.columns.len();
         let is_number = |i: usize| self.rows.iter().any(|row| matches!(row[i], Cell::Number(..)));
         let width = |i: usize| {
-            let cells = rows.iter().map(|row| row[i].chars().count());
-            cells.chain([self.columns[i].name.chars().count()]).max().unwrap_or(0)
+            let cells = rows.iter().map(|row| row[i].width());
+            cells.chain([self.columns[i].name.width()]).max().unwrap_or(0)
         };
         let layout: Vec<(usize, bool)> = (0..columns).map(|i| (width(i), is_number(i))).collect();
         let line = |cells: Vec<&str>| {
             let mut line = String::new();
             for (cell, &(width, right)) in cells.iter().zip(&layout) {
-                match right {
-                    true => line.push_str(&format!("{cell:>width$}  ")),
-                    false => line.push_str(&format!("{cell:<width$}  ")),
-                }
+                // Some letters are two columns wide, and some none, which `format!` does not know.
+                let space = " ".repeat(width - cell.width());
+                let [before, after] = if right { [&*space, ""] } else { ["", &*space] };
+                line.push_str(&format!("{before}{cell}{after}  "));
             }
             format!("{}\n", line.trim_end())
         };
@@ -35,6 +37,16 @@ impl Table {
 mod tests {
     use super::super::table::Column;
     use super::*;
+
+    #[test]
+    fn wide_letters_and_accents_take_their_columns() {
+        let row = |name| vec![Cell::text(name), Cell::Number(0.5, 1)];
+        let columns = vec![Column::new("a"), Column::new("b")];
+        let table =
+            Table { columns, rows: vec![row("\u{6570}\u{636e}"), row("abcde"), row("e\u{301}")] };
+        let expected = "a        b\n\u{6570}\u{636e}   0.5\nabcde  0.5\ne\u{301}      0.5\n";
+        assert_eq!(table.to_text(), expected);
+    }
 
     #[test]
     fn columns_are_aligned_and_groups_shown_once() {

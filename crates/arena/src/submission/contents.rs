@@ -174,17 +174,25 @@ pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError>
 }
 
 /// The folder in which the course's files are: the copy itself, or one below it when the
-/// submission was packed with its folder.
+/// submission was packed with its folder. Of several that hold as many it is nobody's to choose one.
 pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, SubmissionError> {
     let mut level = vec![staging.to_owned()];
     let mut python_files = Vec::new();
     while !level.is_empty() {
         let holding = |folder: &PathBuf| FILES.iter().filter(|f| folder.join(f).is_file()).count();
-        // Of folders at the same depth the one that holds most, by name when they hold as many.
+        // Of folders at the same depth the one that holds most.
         level.sort();
-        if let Some(best) = level.iter().rev().max_by_key(|f| holding(f)).filter(|f| holding(f) > 0)
-        {
-            return Ok(best.clone());
+        let most = level.iter().map(holding).max().unwrap_or(0);
+        let holders: Vec<&PathBuf> =
+            level.iter().filter(|f| most > 0 && holding(f) == most).collect();
+        match holders[..] {
+            [] => (),
+            [one] => return Ok(one.clone()),
+            [one, other, ..] => {
+                let [one, other] = [one, other]
+                    .map(|folder| folder.strip_prefix(staging).unwrap_or(folder).to_owned());
+                return Err(SubmissionError::Several { path: path.to_owned(), one, other });
+            }
         }
         let mut below = Vec::new();
         for folder in level {

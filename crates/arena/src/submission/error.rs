@@ -68,6 +68,21 @@ pub enum SubmissionError {
         /// What is there instead.
         hint: String,
     },
+    /// The course's files are in several folders beside each other.
+    #[error(
+        "{} holds several submissions, {} and {} among them: hand in one",
+        path.display(),
+        one.display(),
+        other.display()
+    )]
+    Several {
+        /// What was handed in.
+        path: PathBuf,
+        /// The folder of one of them, within it.
+        one: PathBuf,
+        /// Another one.
+        other: PathBuf,
+    },
     /// There is no Python that can be used.
     #[error("{0}")]
     Python(String),
@@ -81,6 +96,7 @@ impl SubmissionError {
             | Self::Damaged { .. }
             | Self::Entry { .. }
             | Self::TooLarge { .. }
+            | Self::Several { .. }
             | Self::NoModules { .. } => true,
             Self::Read { .. } | Self::Write { .. } | Self::Python(_) => false,
         }

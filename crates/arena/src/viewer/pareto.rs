@@ -3,6 +3,7 @@
 use super::anchor;
 use crate::board::Standing;
 use formats::markup::escaped;
+use unicode_width::UnicodeWidthChar;
 
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 290.0;
@@ -117,7 +118,7 @@ impl Labels {
 
     /// The name beside its point; `None` where there is no room.
     fn place(&mut self, (x, y): (f64, f64), name: &str) -> Option<String> {
-        let width = 7.5 * name.chars().count() as f64;
+        let width: f64 = name.chars().map(width).sum();
         for (right, below) in [(true, false), (false, false), (true, true), (false, true)] {
             let baseline = if below { y + 19.0 } else { y - 9.0 };
             let start = if right { x + 7.0 } else { x - 7.0 - width };
@@ -136,6 +137,16 @@ impl Labels {
             }
         }
         None
+    }
+}
+
+/// How wide a letter may be, in the plot's units.
+fn width(letter: char) -> f64 {
+    match letter {
+        'm' | 'w' | 'M' | 'W' | '@' | '%' => 13.0,
+        _ if letter.width() == Some(2) => 15.0,
+        _ if letter.is_uppercase() => 10.0,
+        _ => 7.5,
     }
 }
 
@@ -251,6 +262,8 @@ mod tests {
             }
         }
         assert_eq!(labels.place((200.0, 100.0), &"x".repeat(80)), None);
+        let mut labels = Labels::around(Vec::new());
+        assert_eq!(labels.place((200.0, 100.0), &"W".repeat(26)), None);
     }
 
     #[test]

@@ -67,6 +67,10 @@ fn what_leads_out_of_an_archive_is_refused() {
             "a file and a folder at once",
         ),
         (vec![("main.py", file, "", b"x")], "it has main.py: rename them"),
+        (
+            vec![("a/secret_id.py", file, "", b"x"), ("b/secret_id.py", file, "", b"x")],
+            "holds several submissions, a and b among them: hand in one",
+        ),
         (vec![], "holds none of"),
     ] {
         let path = archive(&classroom.path("handin.tar"), &entries);

@@ -175,7 +175,7 @@ fn a_missing_or_useless_secret_id_costs_no_points() {
         (Some("def secret_id():\n    return '=A1+A2'\n"), "= + - @ cannot come first"),
         (Some("def secret_id():\n    return '\\u3164' * 5\n"), "which would not look on the board"),
         (Some("def secret_id():\n    return 'abc' + '\\u0301' * 3\n"), "at most two accents"),
-        (Some("def secret_id():\n    return 7\n"), "returned a int, but a string is needed"),
+        (Some("def secret_id():\n    return 7\n"), "returned an int, but a string (str) is needed"),
         (Some("secret_id = 'abcdef'\n"), "is a str and no function: write `def secret_id"),
         (Some("def secret_id():\n    return 1 / 0\n"), "ZeroDivisionError"),
         (Some("def secret_id()\n    return 'abcdef'\n"), "SyntaxError"),
@@ -203,6 +203,35 @@ fn a_result_kept_in_a_small_type_is_no_mistake() {
     {
         assert!(findings.contains(words), "`{words}` is not in: {findings}");
     }
+}
+
+#[test]
+fn what_is_called_may_be_more_than_what_is_written() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let fifth = HONEST.replace("(Il, Ir, bbox, maxd)", "(Il, Ir, bbox, maxd, window)");
+    let decorated = format!(
+        "def supplied(f):\n    return lambda *given: f(*given, 5)\n\n{}",
+        fifth.replace("def NAME", "@supplied\ndef NAME")
+    );
+    let rebound = format!("{fifth}\nimport functools\nNAME = functools.partial(NAME, window=5)\n");
+    let hidden =
+        format!("{}\nglobals()['NAME'] = other\n", HONEST.replace("def NAME", "def other"));
+    for source in [decorated, rebound, hidden] {
+        let report = classroom.grade_source(&source);
+        report.expect("OK", &[]);
+    }
+}
+
+#[test]
+fn what_numpy_dropped_is_put_back() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let source = HONEST.replace(
+        "return Id",
+        "assert np.NAN != np.NAN and np.NINF < 0 and np.asfarray([1]).dtype == float\n    \
+         assert np.msort([2, 1])[0] == 1 and np.bool8(1) and np.mat([[1]]).shape == (1, 1)\n    return Id",
+    );
+    let report = classroom.grade_source(&source);
+    report.expect("OK", &[]);
 }
 
 #[test]

@@ -25,7 +25,7 @@ use grading::{GradingArguments, Workshop};
 /// A submission is a folder or an archive with secret_id.py, stereo_disparity_fast.py and
 /// stereo_disparity_best.py. Other engines, hazcam's own matchers included, take its place with
 /// --matcher. Every test runs in a process of its own that cannot read the truth, reach the
-/// network, start programs or write outside of its folder.
+/// network, start other processes or write outside of its folder.
 #[derive(clap::Args)]
 #[command(after_help = "\
 How a test ends:
