@@ -160,9 +160,9 @@ impl Matcher {
     /// grey.
     ///
     /// A box is not cut out of the answer to the whole image: near its edges, and where fills and speckles reach
-    /// beyond them, the two differ. It is answered from what it shows and what lies around it, in `fast` as many
-    /// columns at both sides as there are disparities, in `balanced` and `best` 32 pixels all around. These two
-    /// measure the whole pair too: vertical disparity, noise, how strong texture is.
+    /// beyond them, the two differ. It is answered from what it shows, in `fast` from twice as many columns as there
+    /// are disparities if it has fewer, in `balanced` and `best` from 32 pixels around it too. These two measure the
+    /// whole pair besides: vertical disparity, noise, how strong texture is.
     ///
     /// The matcher's own threads do the work while the calling one waits. For frames from several threads give
     /// each a matcher (it is `Send`), or put one behind a lock; that may be a thread of rayon, too.

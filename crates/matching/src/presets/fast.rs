@@ -238,13 +238,12 @@ impl Pipeline for Fast {
     }
 }
 
-/// The frame with its box as wide as what its right pixels may belong to instead: a narrow one would confirm for want
-/// of anything better what lies outside the right image.
+/// The frame with a box of two ranges at the least, to the right of what was asked for: what right pixels show may
+/// lie a range away, and for want of that a narrow box would confirm what lies outside the right image.
 fn widened<'a>(frame: &Frame<'a>) -> Frame<'a> {
     let (bounds, width, reach) = (frame.bounds, frame.size().0, frame.range.count() - 1);
-    let x0 = bounds.x0.saturating_sub(reach);
-    let x1 = (bounds.x1 + reach).min(width - 1);
-    Frame { bounds: BoundingBox { x0, x1, ..bounds }, ..*frame }
+    let x1 = bounds.x1.max((bounds.x0 + 2 * reach).min(width - 1));
+    Frame { bounds: BoundingBox { x1, ..bounds }, ..*frame }
 }
 
 /// The rows of the box, in all their width.
