@@ -156,7 +156,7 @@ mod tests {
             allowance.admit(&frame, 5_000_000).unwrap_err().to_string(),
             "30 x 20 pixels and 16 disparities need at least 5 MB, but of the 104 MB that this \
              process may take 0 MB are left for that: raise the limit of its container, service or \
-             shell (ulimit), narrow the range, or match a box"
+             shell (ulimit), use fewer threads, narrow the range, or match a box"
         );
     }
 

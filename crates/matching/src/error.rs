@@ -110,7 +110,7 @@ fn too_little(there: usize, bound: Option<usize>) -> String {
         None => format!("this machine has {there} MB: narrow the range, or match a box"),
         Some(bound) => format!(
             "of the {} MB that this process may take {there} MB are left for that: raise the limit of \
-             its container, service or shell (ulimit), narrow the range, or match a box",
+             its container, service or shell (ulimit), use fewer threads, narrow the range, or match a box",
             bound / 1_000_000
         ),
     }
