@@ -5,6 +5,7 @@
 
 use super::{BoardPage, anchor, image, number};
 use crate::board::{Picture, Standing};
+use crate::grade::output::points;
 use crate::grade::{Outcome, TestResult};
 use formats::markup::escaped;
 
@@ -46,7 +47,7 @@ pub(super) fn section(
          <p class=\"hint\">Added {}; hazcam {}{python}; {}.</p>\n</div>\n</section>\n",
         anchor(at),
         number(standing.score, 3),
-        standing.total,
+        points(standing.total),
         standing.bonus,
         escaped(&entry.added),
         escaped(&entry.report.hazcam),
