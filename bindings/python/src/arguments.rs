@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 use raster::{BoundingBox, DisparityRange};
 
-use crate::errors::{ArgumentError, of_matching, wrong_type, wrong_value};
+use crate::errors::{about, of_matching, wrong_type, wrong_value};
 
 /// The most characters of a value that stand in a message.
 const SHOWN: usize = 60;
@@ -148,7 +148,7 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<Option<BoundingBox>> {
         usize::try_from(side).map_err(|_| wrong_value("box", shown(value), allowed))
     };
     let bounds = BoundingBox::new(side(x0)?, side(y0)?, side(x1)?, side(y1)?);
-    bounds.map(Some).map_err(|error| ArgumentError::new_err(error.to_string()))
+    bounds.map(Some).map_err(|error| about("box", error))
 }
 
 /// The path of a file: a `str` or an `os.PathLike`.

@@ -44,8 +44,14 @@ pub fn of_matching(error: MatchError) -> PyErr {
         MatchError::Memory { .. } | MatchError::MachineMemory { .. } => {
             FrameMemoryError::new_err(error.to_string())
         }
+        MatchError::Bounds(error) => about("box", error),
         other => ArgumentError::new_err(other.to_string()),
     }
+}
+
+/// What is wrong with an argument, in words that do not name it.
+pub fn about(name: &str, problem: impl Display) -> PyErr {
+    ArgumentError::new_err(format!("`{name}`: {problem}"))
 }
 
 /// A map that cannot be scored.
@@ -60,7 +66,12 @@ pub fn of_scoring(error: ScoreError) -> PyErr {
 
 /// A camera that is none.
 pub fn of_camera(error: CameraError) -> PyErr {
-    ArgumentError::new_err(error.to_string())
+    let names = [("focal", "focal_px"), ("baseline", "baseline_m"), ("offset", "doffs")];
+    let names = [&names[..], &[("principal column", "cx"), ("principal row", "cy")]].concat();
+    match names.into_iter().find(|(words, _)| error.field.starts_with(words)) {
+        Some((_, name)) => about(name, error),
+        None => ArgumentError::new_err(error.to_string()),
+    }
 }
 
 /// A file that cannot be read or written.

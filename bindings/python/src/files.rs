@@ -1,14 +1,14 @@
 //! Files in, files out.
 
 use camera::StereoCamera;
-use formats::Encoding;
+use formats::{Encoding, FormatError};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::arguments::{path, text};
 use crate::arrays::from_plane;
 use crate::detached::detached;
-use crate::errors::{of_file, wrong_value};
+use crate::errors::{about, of_file, wrong_value};
 use crate::images::from_image;
 use crate::planes::map;
 
@@ -29,7 +29,9 @@ pub fn read_disparity<'py>(
 ) -> PyResult<(Bound<'py, PyArray2<f32>>, Option<String>)> {
     let path = self::path("path", path)?;
     let allowed = "give 'auto', 'png8/4', 'png16/256', 'pfm', 'npy' or 'tiff'";
-    let encoding: Encoding = text("encoding", encoding, allowed)?.parse().map_err(of_file)?;
+    let encoding: Encoding = text("encoding", encoding, allowed)?
+        .parse()
+        .map_err(|error: FormatError| about("encoding", error))?;
     let read = detached(py, || formats::read_disparity(path, encoding))?.map_err(of_file)?;
     Ok((from_plane(py, read.values), read.note))
 }

@@ -183,11 +183,11 @@ VALUES = [
     ),
     (
         lambda: fast(box=(3, 0, 2, 3)),
-        "the box 3,0,2,3 ends before it begins: give x0,y0,x1,y1 with x0 <= x1 and y0 <= y1",
+        "`box`: the box 3,0,2,3 ends before it begins: give x0,y0,x1,y1 with x0 <= x1 and y0 <= y1",
     ),
     (
         lambda: fast(box=(0, 0, 9, 5)),
-        "the box 0,0,9,5 leaves the image of 9 x 6: its last column may be at "
+        "`box`: the box 0,0,9,5 leaves the image of 9 x 6: its last column may be at "
         "most 8 and its last row "
         "at most 5 (the box is inclusive)",
     ),
@@ -226,7 +226,7 @@ VALUES = [
     # Cameras.
     (
         lambda: StereoCamera(0, 1),
-        "the camera's focal length in pixels is 0, but it must be finite and positive",
+        "`focal_px`: the camera's focal length in pixels is 0, but it must be finite and positive",
     ),
     # The course.
     (
@@ -534,7 +534,7 @@ def test_files_that_cannot_be_used_are_told(tmp_path):
     with pytest.raises(hazcam.FileContentError, match="the encoding png16/256 was asked for"):
         hazcam.read_disparity(tmp_path / "d.npy", "png16/256")
 
-    with pytest.raises(hazcam.ArgumentError, match="`png9` is not an encoding of disparities"):
+    with pytest.raises(hazcam.ArgumentError, match="`encoding`: `png9` is not an encoding of disparities"):
         hazcam.read_disparity(tmp_path / "d.npy", "png9")
     with pytest.raises(hazcam.ArgumentError, match=r"its extension `\.exr`: use one of \.pfm"):
         hazcam.write_disparity(tmp_path / "d.exr", MAP)
