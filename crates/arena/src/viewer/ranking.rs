@@ -39,7 +39,8 @@ pub(super) fn table(standings: &[Standing]) -> String {
     format!(
         "<div class=\"scroll\"><table class=\"sortable\">\n<thead><tr>{heads}</tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table></div>\n\
-         <p class=\"hint\">Press a heading to sort, a name to see its disparities and errors.</p>\n"
+         <p class=\"hint\"><span class=\"scripted\">Press a heading to sort.</span> Press a name to see \
+         its disparities and errors.</p>\n"
     )
 }
 
