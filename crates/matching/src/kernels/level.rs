@@ -103,6 +103,17 @@ impl Level {
         }
     }
 
+    /// The level with vectors of 32 bytes where this one has 64: for kernels that load most of them across two cache
+    /// lines.
+    pub(crate) fn of_32_bytes(self) -> Self {
+        match self.0 {
+            // Every processor with AVX-512 has AVX2.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => Self(Set::Avx2),
+            _ => self,
+        }
+    }
+
     pub(crate) fn set(self) -> Set {
         self.0
     }

@@ -13,6 +13,7 @@ use raster::{DisparityRange, View};
 
 use crate::kernels::aligned::Line;
 use crate::kernels::level::at_every_level;
+use crate::kernels::products::{Pair, Products, packed};
 use crate::profile::Work;
 
 /// Columns and rows of a window; its middle has 7 columns before it and 5 rows above it.
@@ -48,8 +49,10 @@ const NOISE_LEFT: f32 = 9.0 / 64.0 * (1.0 + 64.0 / 81.0);
 /// A last step below this ends the track, one above this many pixels means that it was lost.
 const STILL: f32 = 0.01;
 const LOST: f32 = 0.1;
-/// Windows with less variance than this per pixel are flat.
-const FLAT: f32 = 1.0;
+/// Pixels of a window.
+const PIXELS: i32 = (WIDE * TALL) as i32;
+/// Windows with less variance than this are flat: 1 per pixel, see [`variance`].
+const FLAT_WINDOW: i32 = PIXELS * PIXELS;
 
 // To either side: the window, as far as it moves, one sample more to look between them, and one more
 // to smooth.
@@ -115,7 +118,7 @@ struct Place {
 
 at_every_level! {
     /// The corner of a cell of the left image, [`MARGIN`] inside it, and its match.
-    pub(super) fn correspond(
+    pub(super) fn correspond[products](
         images: [View<'_, u8>; 2],
         cell: (Range<usize>, Range<usize>),
         range: DisparityRange,
@@ -123,8 +126,8 @@ at_every_level! {
     ) -> Option<Correspondence> {
         let [left, right] = images;
         let corner = corner(left, cell)?;
-        let (window, _) = normalised(window(left, corner))?;
-        let start = find(&window, right, corner, range, scores)?;
+        let pattern = Pattern::of(left, corner)?;
+        let start = find(products, &pattern, right, corner, range, scores)?;
         let (along, down, noise) = track(left, corner, right, start)?;
         let column = start.x as f32 + along;
         let down = start.y as f32 + down - corner.y as f32;
@@ -132,17 +135,46 @@ at_every_level! {
     }
 }
 
-/// The samples of a window.
-#[inline(always)]
-fn window(image: View<'_, u8>, Place { x, y }: Place) -> Window {
-    let mut window = EMPTY;
-    for (j, samples) in window.iter_mut().enumerate() {
-        let row = &image.row(y + j - ABOVE)[x - BEFORE..][..WIDE];
-        for l in 0..WIDE {
-            samples[l] = f32::from(row[l]);
+/// The samples of a window as pairs of neighbours along its rows, with what a correlation makes of them.
+struct Pattern {
+    pairs: [[Pair; WIDE / 2]; TALL],
+    sum: i32,
+    /// 1 over the root of [`variance`].
+    scale: f32,
+}
+
+impl Pattern {
+    /// That of a place; none where it is flat.
+    #[inline(always)]
+    fn of(image: View<'_, u8>, Place { x, y }: Place) -> Option<Self> {
+        let mut pairs = [[[0; 2]; WIDE / 2]; TALL];
+        let (mut sums, mut squares) = ([0; WIDE], [0; WIDE]);
+        for (j, pairs) in pairs.iter_mut().enumerate() {
+            let row = &image.row(y + j - ABOVE)[x - BEFORE..][..WIDE];
+            for l in 0..WIDE {
+                let sample = i32::from(row[l]);
+                sums[l] += sample;
+                squares[l] += sample * sample;
+            }
+            for (pair, samples) in pairs.iter_mut().zip(row.as_chunks::<2>().0) {
+                *pair = samples.map(i16::from);
+            }
         }
+        let sum = sums.iter().sum();
+        let variance = variance(sum, squares.iter().sum());
+        (variance >= FLAT_WINDOW).then(|| Self {
+            pairs,
+            sum,
+            scale: 1.0 / (variance as f32).sqrt(),
+        })
     }
-    window
+}
+
+/// How far the samples of a window are from their mean: their number times the squares of that, all of them. Of 8
+/// bits it is less than 2^31.
+#[inline(always)]
+fn variance(sum: i32, squares: i32) -> i32 {
+    PIXELS * squares - sum * sum
 }
 
 /// The sum of lanes, always in the same order.
@@ -161,7 +193,7 @@ fn sum(mut lanes: Lanes) -> f32 {
 /// A window with mean 0 and squares that add to 1, and what it was multiplied by; none of a flat one.
 #[inline(always)]
 fn normalised(mut window: Window) -> Option<(Window, f32)> {
-    const PIXELS: f32 = (WIDE * TALL) as f32;
+    const PIXELS: f32 = self::PIXELS as f32;
     let mut sums = NONE;
     for samples in window.iter() {
         for l in 0..WIDE {
@@ -177,7 +209,7 @@ fn normalised(mut window: Window) -> Option<(Window, f32)> {
         }
     }
     let squares = sum(squares);
-    if squares < FLAT * PIXELS {
+    if squares < FLAT_WINDOW as f32 / PIXELS {
         return None;
     }
     let scale = 1.0 / squares.sqrt();
@@ -227,10 +259,11 @@ fn strength(image: View<'_, u8>, Place { x, y }: Place) -> f32 {
     0.5 * (xx + yy - ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt())
 }
 
-/// Where a normalised window, that of a corner, is found in the right image.
+/// Where the window of a corner is found in the right image.
 #[inline(always)]
 fn find(
-    wanted: &Window,
+    products: impl Products,
+    wanted: &Pattern,
     right: View<'_, u8>,
     corner: Place,
     range: DisparityRange,
@@ -252,22 +285,17 @@ fn find(
                 continue;
             }
             let y = y as usize;
-            let scores = correlate(wanted, right, y, first, count, scores);
-            let mut top = (f32::NEG_INFINITY, 0);
-            for (s, &score) in scores.iter().enumerate() {
-                if score > top.0 {
-                    top = (score, s);
-                }
-            }
-            let mut next = 0.0;
-            for (s, &score) in scores.iter().enumerate() {
-                if s.abs_diff(top.1) > APART && score > next {
-                    next = score;
-                }
-            }
-            if top.0 > best.0 {
-                let is_unique = (1.0 - top.0).max(LACKING) < UNIQUE * (1.0 - next);
-                best = (top.0, is_unique.then_some(Place { x: first + top.1, y }));
+            let scores = correlate(products, wanted, right, y, first, count, scores);
+            let top = largest(scores);
+            if top > best.0 {
+                let place = scores.iter().position(|&score| score == top).unwrap_or(0);
+                let others = [
+                    &scores[..place.saturating_sub(APART)],
+                    &scores[(place + APART + 1).min(count)..],
+                ];
+                let next = others.map(largest).into_iter().fold(0.0, f32::max);
+                let is_unique = (1.0 - top).max(LACKING) < UNIQUE * (1.0 - next);
+                best = (top, is_unique.then_some(Place { x: first + place, y }));
             }
         }
         if best.0 >= CLEAR {
@@ -277,73 +305,91 @@ fn find(
     best.1
 }
 
-/// Samples of a row from `start` on, as many as windows at [`WIDE`] places see; zeros beyond its end.
+/// The largest score, lane by lane: one after the other each would wait for the last.
 #[inline(always)]
-fn row_from(row: &[u8], start: usize) -> [f32; 2 * WIDE] {
-    let mut samples = [0u8; 2 * WIDE];
-    let rest = &row[start..];
-    match rest.first_chunk::<{ 2 * WIDE }>() {
-        Some(whole) => samples = *whole,
-        None => samples[..rest.len()].copy_from_slice(rest),
+fn largest(scores: &[f32]) -> f32 {
+    let mut most = Line([f32::NEG_INFINITY; WIDE]);
+    let (blocks, rest) = scores.as_chunks::<WIDE>();
+    for block in blocks {
+        for l in 0..WIDE {
+            most[l] = if block[l] > most[l] { block[l] } else { most[l] };
+        }
     }
-    let mut out = [0.0; 2 * WIDE];
-    for i in 0..2 * WIDE {
-        out[i] = f32::from(samples[i]);
-    }
-    out
+    most.iter().chain(rest).fold(f32::NEG_INFINITY, |most, &score| most.max(score))
 }
 
-/// The correlation of a normalised window with those of the right image whose middles are at row `y`
-/// from column `first` on.
+/// Pairs of neighbours in a row, [`packed`], from `start` on, as many as windows at [`WIDE`] places see; zeros
+/// beyond its end.
+#[inline(always)]
+fn pairs_from(row: &[u8], start: usize) -> [i32; 2 * WIDE] {
+    #[inline(always)]
+    fn pairs(samples: &[u8; 2 * WIDE + 1]) -> [i32; 2 * WIDE] {
+        let mut out = [0; 2 * WIDE];
+        for i in 0..2 * WIDE {
+            out[i] = packed(i32::from(samples[i]), i32::from(samples[i + 1]));
+        }
+        out
+    }
+    let rest = &row[start..];
+    match rest.first_chunk() {
+        Some(whole) => pairs(whole),
+        None => {
+            let mut samples = [0; 2 * WIDE + 1];
+            samples[..rest.len()].copy_from_slice(rest);
+            pairs(&samples)
+        }
+    }
+}
+
+/// The correlation of a window with those of the right image whose middles are at row `y` from column
+/// `first` on. In whole numbers, which are exact, and of which two products are added at once.
 #[inline(always)]
 fn correlate<'a>(
-    wanted: &Window,
+    products: impl Products,
+    wanted: &Pattern,
     right: View<'_, u8>,
     y: usize,
     first: usize,
     count: usize,
     scores: &'a mut Scores,
 ) -> &'a [f32] {
-    const PIXELS: f32 = (WIDE * TALL) as f32;
     let scores = &mut scores.0;
     scores.resize(count.next_multiple_of(WIDE), 0.0);
     for (block, scores) in scores.chunks_exact_mut(WIDE).enumerate() {
         let start = first + block * WIDE - BEFORE;
-        // Sums of their own for every fourth column: one sum would wait for itself.
-        let [mut a, mut b, mut c, mut d] = [NONE; 4];
         // Of columns, then of windows.
-        let (mut sums, mut squares) = (Line([0.0; 2 * WIDE]), Line([0.0; 2 * WIDE]));
+        let (mut sums, mut squares) = (Line([0; 2 * WIDE]), Line([0; 2 * WIDE]));
         // All of them before any is read: what was only just written is slow to be had from elsewhere.
-        let mut rows = Line([[0.0; 2 * WIDE]; TALL]);
+        let mut rows = Line([[0; 2 * WIDE]; TALL]);
         for (j, row) in rows.iter_mut().enumerate() {
-            *row = row_from(right.row(y + j - ABOVE), start);
+            *row = pairs_from(right.row(y + j - ABOVE), start);
         }
-        for (row, wanted) in rows.iter().zip(&**wanted) {
+        // Four sums of their own: one would wait for itself.
+        let mut added = [Line([0; WIDE]); 4];
+        for (row, wanted) in rows.iter().zip(&wanted.pairs) {
             for i in 0..2 * WIDE {
-                sums[i] += row[i];
-                squares[i] += row[i] * row[i];
+                let sample = row[i] & 0xFFFF;
+                sums[i] += sample;
+                squares[i] += sample * sample;
             }
-            for i in (0..WIDE).step_by(4) {
-                for l in 0..WIDE {
-                    a[l] += wanted[i] * row[i + l];
-                    b[l] += wanted[i + 1] * row[i + 1 + l];
-                    c[l] += wanted[i + 2] * row[i + 2 + l];
-                    d[l] += wanted[i + 3] * row[i + 3 + l];
-                }
+            for (n, &pair) in wanted.iter().enumerate() {
+                let own = row[2 * n..].first_chunk().expect("as many as there are places");
+                products.add(&mut added[n % 4], pair, own);
             }
         }
-        let (mut sum, mut square) = (NONE, NONE);
+        let (mut sum, mut square) = (Line([0; WIDE]), Line([0; WIDE]));
         for i in 0..WIDE {
             for l in 0..WIDE {
                 sum[l] += sums[i + l];
                 square[l] += squares[i + l];
             }
         }
+        let [a, b, c, d] = &added;
         for l in 0..WIDE {
-            let variance = square[l] - sum[l] * sum[l] * (1.0 / PIXELS);
-            let product = (a[l] + b[l]) + (c[l] + d[l]);
-            let score = product / if variance > 0.0 { variance } else { 1.0 }.sqrt();
-            scores[l] = if variance > FLAT * PIXELS { score } else { 0.0 };
+            let shared = PIXELS * (a[l] + b[l] + c[l] + d[l]) - wanted.sum * sum[l];
+            let variance = variance(sum[l], square[l]);
+            let score = wanted.scale * shared as f32 / (variance.max(1) as f32).sqrt();
+            scores[l] = if variance > FLAT_WINDOW { score } else { 0.0 };
         }
     }
     &scores[..count]
@@ -361,14 +407,17 @@ fn smoothed(image: View<'_, u8>, Place { x, y }: Place) -> Rich {
     const USED: usize = WIDE + 2 * AROUND + 1;
     let mut rich = Line([[0.0; RICH_WIDE]; RICH_TALL]);
     let first = x - BEFORE - AROUND;
-    for (j, out) in rich.iter_mut().enumerate() {
+    // All of them before any is read: what was only just written is slow to be had from elsewhere.
+    let mut sums = Line([[0.0; RICH_WIDE + WIDE]; RICH_TALL]);
+    for (j, sums) in sums.iter_mut().enumerate() {
         let v = y + j - ABOVE - AROUND;
         let [above, row, below] = [v - 1, v, v + 1].map(|v| &image.row(v)[first - 1..][..USED + 2]);
-        let mut sums = [0.0; RICH_WIDE + 2];
         for i in 0..USED + 2 {
             sums[i] = f32::from(above[i]) + 2.0 * f32::from(row[i]) + f32::from(below[i]);
         }
-        for i in 0..USED {
+    }
+    for (out, sums) in rich.iter_mut().zip(&*sums) {
+        for i in 0..RICH_WIDE {
             out[i] = (sums[i] + 2.0 * sums[i + 1] + sums[i + 2]) * (1.0 / 16.0);
         }
     }
@@ -539,20 +588,44 @@ mod tests {
         assert_eq!(found(level, &[edge.clone(), edge]), None);
     }
 
+    /// The samples of a window.
+    fn window(image: View<'_, u8>, Place { x, y }: Place) -> Window {
+        let mut window = EMPTY;
+        for (j, samples) in window.iter_mut().enumerate() {
+            let row = &image.row(y + j - ABOVE)[x - BEFORE..][..WIDE];
+            for l in 0..WIDE {
+                samples[l] = f32::from(row[l]);
+            }
+        }
+        window
+    }
+
+    at_every_level! {
+        fn correlations[products](wanted: &Pattern, right: View<'_, u8>, y: usize, columns: Range<usize>) -> Vec<f32> {
+            let mut scores = Scores::default();
+            correlate(products, wanted, right, y, columns.start, columns.len(), &mut scores).to_vec()
+        }
+    }
+
     #[test]
-    fn correlation_is_its_definition() {
+    fn correlation_is_its_definition_at_every_level() {
         let images = [seen(0.0, 0.0, 1.0), seen(-6.0, 0.0, 1.0)];
         let place = Place { x: 60, y: 40 };
         let (wanted, _) = normalised(window(images[0].view(), place)).unwrap();
-        let mut scores = Scores::default();
-        let (first, count) = (MARGIN, 120 - 2 * MARGIN);
-        let scores = correlate(&wanted, images[1].view(), 40, first, count, &mut scores).to_vec();
-        for (s, score) in scores.iter().enumerate() {
-            let there = Place { x: first + s, y: 40 };
+        let pattern = Pattern::of(images[0].view(), place).unwrap();
+        let scores =
+            |level| correlations(level, &pattern, images[1].view(), 40, MARGIN..120 - MARGIN);
+        let first = scores(Level::available()[0]);
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            assert_eq!(scores(level), first);
+        }
+        for (x, score) in (MARGIN..).zip(first) {
+            let there = Place { x, y: 40 };
             let (there, _) = normalised(window(images[1].view(), there)).unwrap();
             let products = there.iter().flatten().zip(wanted.iter().flatten());
             let expected: f32 = products.map(|(a, b)| a * b).sum();
-            assert!((score - expected).abs() < 1e-3, "{s}: {score} {expected}");
+            assert!((score - expected).abs() < 1e-5, "{x}: {score} {expected}");
         }
     }
 }
