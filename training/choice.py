@@ -64,35 +64,47 @@ class Judge(nn.Module):
 def load(paths, candidates):
     numbers = 2 + candidates * (2 + OF_EACH) + OF_PIXEL
     ends = np.cumsum([1, 1, candidates, candidates, OF_EACH * candidates])
-    loaded = []
     for path in paths:
         size = path.stat().st_size
         if size == 0 or size % (4 * numbers):
             raise SystemExit(f"{path}: {size} bytes, but a pixel has {4 * numbers}; write it with "
                              "`cargo run --release -p hazcam-training`, of the same preset")
-        samples = np.memmap(path, "<f4", "r").reshape(-1, numbers)
-        # Some at a time: all of them as they are would take twice the memory.
+    files = [np.memmap(path, "<f4", "r").reshape(-1, numbers) for path in paths]
+    count = sum(map(len, files))
+    truth, weight = torch.empty(count, 1), torch.empty(count)
+    disparities, inside = torch.empty(count, candidates), torch.empty(count, candidates, dtype=torch.bool)
+    of_each = torch.empty(count, OF_EACH, candidates, dtype=torch.half)
+    of_pixel = torch.empty(count, OF_PIXEL)
+    # Some at a time, into their places: all of them as they are would take twice the memory.
+    end = 0
+    for samples in files:
         for at in range(0, len(samples), 50_000):
             parts = np.split(np.array(samples[at:at + 50_000]), ends, axis=1)
-            truth, weight, disparities, inside, of_each, of_pixel = map(torch.from_numpy, parts)
-            of_each = of_each.half().reshape(-1, OF_EACH, candidates)
+            parts = list(map(torch.from_numpy, parts))
+            place = slice(end, end := end + len(parts[0]))
+            truth[place], disparities[place], inside[place] = parts[0], parts[2], parts[3] > 0
             # A few pixels that stand for very many would make the steps rough.
-            weight = weight[:, 0].clamp(max=4)
-            loaded.append((truth.clone(), weight, disparities.clone(), inside > 0, of_each, of_pixel.clone()))
-    return map(torch.cat, zip(*loaded))
+            weight[place] = parts[1][:, 0].clamp(max=4)
+            of_each[place] = parts[4].half().reshape(-1, OF_EACH, candidates)
+            of_pixel[place] = parts[5]
+    return truth, weight, disparities, inside, of_each, of_pixel
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("samples", type=Path, nargs="+")
     parser.add_argument("--preset", choices=SIZES, required=True, help="whose judge it is")
-    parser.add_argument("--context", type=int, default=0,
+    parser.add_argument("--context", type=int, default=0, choices=(0, 32),
                         help="numbers that hear all candidates: 32 in every other judge of best, from the first on")
     parser.add_argument("--steps", type=int, default=15000)
     parser.add_argument("--rate", type=float, default=5e-3, help="the largest learning rate")
     parser.add_argument("--seed", type=int, default=1, help="of all that comes by chance")
     parser.add_argument("--weights", type=Path, required=True, help="the file to append to")
     arguments = parser.parse_args()
+    if arguments.context and arguments.preset != "best":
+        parser.error("--context: only judges of best hear all candidates")
+    if arguments.steps < 1:
+        parser.error(f"--steps is {arguments.steps}: at least one is needed")
     for file in (*arguments.samples, arguments.weights):
         if not file.is_file():
             parser.error(f"{file}: no such file")

@@ -21,6 +21,7 @@ import json
 import math
 import os
 import random
+import re
 import time
 from pathlib import Path
 
@@ -116,15 +117,25 @@ def seen_in_row(disparities):
 
 def load(data, held_out):
     entries = json.loads((data / "scenes.json").read_text())
+    entries = [entry for entry in entries if entry.get("use") == "tuning" and entry.get("truth")]
+    for part in held_out:
+        # A scene would be learned from in silence.
+        if not any(part in entry["id"] for entry in entries):
+            known = ", ".join(entry["id"] for entry in entries)
+            raise SystemExit(f"--without: no tuning scene has {part!r} in its name; {known}")
     scenes, held = [], []
     for entry in entries:
-        if entry["use"] != "tuning":
-            continue
-        truth = read_truth(data / entry["truth"], entry["truth_encoding"])
+        encoding = entry.get("truth_encoding", "auto")
+        if encoding == "auto" and entry["truth"].endswith(".pfm"):
+            encoding = "pfm"
+        if not re.fullmatch(r"pfm|png(8|16)/[0-9.]+", encoding):
+            raise SystemExit(f"scenes.json, {entry['id']}: `truth_encoding` is {encoding}, but "
+                             "png8/N, png16/N or pfm is needed here")
+        truth = read_truth(data / entry["truth"], encoding)
         if entry.get("mask_nocc"):
             seen = np.asarray(Image.open(data / entry["mask_nocc"])) == 255
         elif entry.get("truth_noc"):
-            seen = np.isfinite(read_truth(data / entry["truth_noc"], entry["truth_encoding"]))
+            seen = np.isfinite(read_truth(data / entry["truth_noc"], encoding))
         elif "kitti" in entry["id"]:
             seen = np.isfinite(truth)
         else:
@@ -133,7 +144,7 @@ def load(data, held_out):
                 row &= seen_in_row(disparities)
         scene = {
             "id": entry["id"],
-            "range": entry["max_disparity"],
+            "range": entry.get("max_disparity") or math.ceil(np.nanmax(truth)),
             "left": read_grey(data / entry["left"]),
             "right": read_grey(data / entry["right"]),
             "truth": np.where(seen, truth, np.nan).astype(np.float32),
@@ -144,8 +155,12 @@ def load(data, held_out):
             continue
         scenes.append(scene)
         file = data / entry["truth"]
-        if file.name in TRUTH_RIGHT and (right := file.with_name(TRUTH_RIGHT[file.name])).is_file():
-            scenes.append(in_a_mirror(scene, read_truth(right, entry["truth_encoding"])))
+        right = file.with_name(TRUTH_RIGHT.get(file.name, "none"))
+        right = data / entry["truth_right"] if entry.get("truth_right") else right
+        if right.is_file():
+            scenes.append(in_a_mirror(scene, read_truth(right, encoding)))
+    if not scenes:
+        raise SystemExit("no tuning scene with truth is left to learn from")
     return scenes, held
 
 
@@ -337,6 +352,10 @@ def main():
         if file is not None and not file.is_file():
             parser.error(f"{file}: no such file; --data names the folder with scenes.json, "
                          "--start weights")
+    if not arguments.out.parent.is_dir():
+        parser.error(f"--out: there is no folder {arguments.out.parent}")
+    if arguments.minutes <= 0:
+        parser.error(f"--minutes is {arguments.minutes:g}: more than 0 are needed")
     random.seed(1)
     torch.manual_seed(1)
     scenes, held = load(arguments.data, arguments.without)

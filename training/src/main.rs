@@ -158,14 +158,26 @@ fn write(arguments: &Arguments, cases: &[&Case], out: &mut dyn Write) -> Result<
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let cases = dataset::open(&arguments.data)?;
-    let cases: Vec<_> = cases.iter().filter(|case| case.purpose == Purpose::Tuning).collect();
+    let (cases, without): (Vec<_>, Vec<_>) = cases
+        .iter()
+        .filter(|case| case.purpose == Purpose::Tuning)
+        .partition(|case| case.has_truth());
+    if !without.is_empty() {
+        println!("{} tuning scenes have no truth to learn from", without.len());
+    }
     check(&arguments.without, &cases)?;
-    let mut pixels = 0;
+    let (mut pixels, mut failure) = (0, None);
     // The file is begun first, so that a folder that is missing is noticed at once.
-    write_atomically(&arguments.out, |writer| {
-        pixels = write(arguments, &cases, writer).map_err(io::Error::other)?;
+    let written = write_atomically(&arguments.out, |writer| {
+        pixels = write(arguments, &cases, writer).map_err(|error| match error.downcast() {
+            Ok(error) => *error,
+            // What is no failure to write must not be told as one.
+            Err(other) => io::Error::other(failure.insert(other).to_string()),
+        })?;
         Ok(())
-    })?;
+    });
+    failure.map_or(Ok(()), Err)?;
+    written?;
     println!("{pixels} pixels; {} written", arguments.out.display());
     Ok(())
 }
