@@ -1,6 +1,7 @@
 #!/bin/sh
 # Trains the judges of `balanced` and `best` and puts their weights in place. Takes 40 minutes of two
-# processors, some 12 GB of memory, and 19 GB in target/lessons.*, which stay if it fails; the weights are as before then.
+# processors, some 12 GB of memory, and 19 GB in target/lessons.*, which stay if it fails; the weights are as
+# before then.
 #
 #     HAZCAM_DATA=~/stereo training/judges.sh [--without NAME..]
 #

@@ -134,9 +134,9 @@ impl Matcher {
         self.profile.stages()
     }
 
-    /// The vertical disparity of the last pair that was answered, where it was found to be worth mending: things stood lower
-    /// in the right image by so many pixels, which depend on the place, and `balanced` and `best` matched
-    /// the image with that taken out. A pair that is rectified well has none; `fast` does not look for it.
+    /// The vertical disparity of the last pair that was answered, where it was found to be worth mending: things
+    /// stood lower in the right image by so many pixels, which depend on the place, and `balanced` and `best`
+    /// matched the image with that taken out. A pair that is rectified well has none; `fast` does not look for it.
     pub fn vertical_disparity(&self) -> Option<&VerticalDisparity> {
         self.pipeline.vertical_disparity()
     }

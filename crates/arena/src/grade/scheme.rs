@@ -229,7 +229,7 @@ impl Test {
     }
 }
 
-/// A sum of points: what tenths of them are not exact by does not add up.
+/// A sum of points, rounded: tenths are not exact, and what they lack would add up.
 pub(super) fn total(points: impl Iterator<Item = f64>) -> f64 {
     const STEPS: f64 = 1e6;
     (points.sum::<f64>() * STEPS).round() / STEPS

@@ -84,7 +84,8 @@ pub struct Args {
 
     /// Answer only these pixels: x0,y0,x1,y1, inclusive, or the course's *_bounds.npy [default:
     /// the whole image]
-    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box, allow_hyphen_values = true)]
+    #[arg(long = "box", value_name = "BOX", value_parser = arguments::bounding_box)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(help_heading = "Matching")]
     bounds: Option<GivenBox>,
 
