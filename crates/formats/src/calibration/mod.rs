@@ -149,8 +149,9 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     if entries.has("T_cn_cnm1") {
         return Err(source.wrong_kind(
             "Kalibr's calibration of cameras that are not rectified yet",
-            "rectify the images first (OpenCV: stereoRectify, initUndistortRectifyMap, remap), then give the \
-             P1 and P2 of stereoRectify, or --focal PX --baseline METRES",
+            "rectified ones are needed: rectify the images first (OpenCV: stereoRectify, \
+             initUndistortRectifyMap, remap), then give the P1 and P2 of stereoRectify, or --focal PX \
+             --baseline METRES",
         ));
     }
     if entries.has("cam0") {
