@@ -1,7 +1,10 @@
 //! Arguments that several commands take, read the same way everywhere.
 
+use std::fmt::Display;
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use bytesize::ByteSize;
 use formats::FormatError;
@@ -30,12 +33,19 @@ pub fn jobs(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "give a whole number from 1 on".into())
 }
 
+/// A whole number of a range.
+pub fn whole<T: FromStr + PartialOrd + Display>(
+    text: &str,
+    range: RangeInclusive<T>,
+) -> Result<T, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    let (least, most) = (range.start(), range.end());
+    number.ok_or_else(|| format!("give a whole number from {least} to {most}"))
+}
+
 /// A count of threads.
 pub fn threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 1..=1024) => Ok(count),
-        _ => Err("give a whole number from 1 to 1024".into()),
-    }
+    whole(text, 1..=1024)
 }
 
 /// What can be a length or an error.
@@ -63,10 +73,7 @@ const FARTHEST: i32 = Options::FARTHEST;
 
 /// An end of a range of disparities.
 pub fn disparity(text: &str) -> Result<i32, String> {
-    match text.parse() {
-        Ok(pixels) if (-FARTHEST..=FARTHEST).contains(&pixels) => Ok(pixels),
-        _ => Err(format!("give a whole number from -{FARTHEST} to {FARTHEST}")),
-    }
+    whole(text, -FARTHEST..=FARTHEST)
 }
 
 /// An amount of memory, in bytes.

@@ -142,10 +142,10 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     };
     // Some editors begin a text with a mark that is none of its letters.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if opencv::is_opencv(text) {
-        return opencv::parse(source, text);
-    }
     let entries = Entries::of(source, text);
+    if opencv::is_opencv(text) {
+        return opencv::parse(&entries, text);
+    }
     if entries.has("T_cn_cnm1") {
         return Err(source.wrong_kind(
             "Kalibr's calibration of cameras that are not rectified yet",

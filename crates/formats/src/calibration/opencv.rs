@@ -8,7 +8,6 @@ use serde::Deserialize;
 use super::yaml::{self, Matrix};
 use super::{Calibration, CalibrationLayout, Entries};
 use crate::FormatError;
-use crate::source::Source;
 
 /// With these OpenCV's files begin; the colon, which no other YAML has, is that of versions before 5.
 const BEGINNINGS: [&str; 2] = ["%YAML:1.0", "%YAML 1.2"];
@@ -28,17 +27,16 @@ pub(super) fn is_opencv(text: &str) -> bool {
 }
 
 /// The pair of `P1` and `P2`.
-pub(super) fn parse(source: &Source, text: &str) -> Result<Calibration, FormatError> {
-    let entries = Entries { source, entries: Vec::new() };
+pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, FormatError> {
     // From the end of the first line on, so that lines are counted right.
     let body = &text[text.find('\n').unwrap_or(text.len())..];
-    let storage: Storage = yaml::read(&entries, body)?;
+    let storage: Storage = yaml::read(entries, body)?;
     let (Some(left), Some(right)) = (storage.left, storage.right) else {
         let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
                        give focal length and baseline (--focal PX --baseline METRES)";
         return Err(entries.fail(None, problem.into()));
     };
-    let [left, right] = [left.projection(&entries, "P1")?, right.projection(&entries, "P2")?];
+    let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];
     let camera = entries.projected(["P1", "P2"], &[left, right])?;
     Ok(Calibration::of(CalibrationLayout::OpenCv, camera))
 }

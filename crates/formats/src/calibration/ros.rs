@@ -27,15 +27,15 @@ pub(super) fn is_ros(entries: &Entries<'_>) -> bool {
 /// The pair of the right camera.
 pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, FormatError> {
     let info: CameraInfo = yaml::read(entries, text)?;
-    let projection = info.projection_matrix.projection(entries, PROJECTION)?;
-    let [focal, cx, moved, down, cy] = [0, 2, 3, 5, 6].map(|at| projection[at]);
-    if moved == 0.0 {
+    let right = info.projection_matrix.projection(entries, PROJECTION)?;
+    if right[3] == 0.0 {
         let problem = "projection_matrix is that of a left camera or of one alone, its fourth number is 0: give the \
                        right camera's file, which has the baseline";
         return Err(entries.fail(None, problem.into()));
     }
-    entries.square(PROJECTION, [focal, down])?;
-    let camera = entries.camera(focal, -moved / focal, 0.0, cx, cy)?;
+    let mut left = right;
+    left[3] = 0.0;
+    let camera = entries.projected([PROJECTION; 2], &[left, right])?;
     Ok(Calibration {
         width: info.image_width,
         height: info.image_height,

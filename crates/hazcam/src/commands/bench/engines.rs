@@ -45,8 +45,7 @@ pub struct EngineArguments {
 
 /// How often a pair is matched.
 fn repeat(text: &str) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| (1..=10_000).contains(count));
-    count.ok_or_else(|| "give a whole number from 1 to 10000".into())
+    arguments::whole(text, 1..=10_000)
 }
 
 /// How long a pair may take.

@@ -6,10 +6,11 @@ use anyhow::bail;
 use matching::few_bits;
 use raster::Image;
 
+use crate::arguments;
+
 /// How many bits samples have.
 pub fn number(text: &str) -> Result<u32, String> {
-    let bits = text.parse().ok().filter(|bits| (1..=u16::BITS).contains(bits));
-    bits.ok_or_else(|| "give a whole number from 1 to 16".into())
+    arguments::whole(text, 1..=u16::BITS)
 }
 
 /// The images of two files whose samples have so many bits, over all 16.

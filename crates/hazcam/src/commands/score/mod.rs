@@ -136,14 +136,13 @@ fn scale_warning(args: &Args, factor: f64, estimate: Encoding, truth: Encoding) 
     }
     let times = factor.max(1.0 / factor);
     let (larger, smaller) = if factor > 1.0 { (estimate, truth) } else { (truth, estimate) };
-    let divided_by = |(_, encoding, option): (_, Encoding, &str), times: f64| match encoding {
-        Encoding::Png8 { divisor } => {
-            Some(format!("read it with {option} png8/{}", f64::from(divisor) * times))
-        }
-        Encoding::Png16 { divisor } => {
-            Some(format!("read it with {option} png16/{}", f64::from(divisor) * times))
-        }
-        _ => None,
+    let divided_by = |(_, encoding, option): (_, Encoding, &str), times: f64| {
+        let (kind, divisor) = match encoding {
+            Encoding::Png8 { divisor } => ("png8", divisor),
+            Encoding::Png16 { divisor } => ("png16", divisor),
+            _ => return None,
+        };
+        Some(format!("read it with {option} {kind}/{}", f64::from(divisor) * times))
     };
     // A file that has a divisor may have been read with another one than it was written with.
     let (path, change, remedy) = match (divided_by(larger, times), divided_by(smaller, 1.0 / times))

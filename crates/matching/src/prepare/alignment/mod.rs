@@ -16,6 +16,7 @@
 //! upper 8 bits: where images of 16 bits use few of them there are none. Rows that a mended image would
 //! need from beyond its ends repeat its last ones.
 
+mod correlation;
 mod correspondence;
 mod model;
 mod resample;
@@ -23,7 +24,8 @@ mod resample;
 use raster::{DisparityRange, Plane, View};
 use rayon::prelude::*;
 
-use self::correspondence::{Correspondence, MARGIN, Scores, correspond};
+use self::correlation::Scores;
+use self::correspondence::{Correspondence, MARGIN, correspond};
 pub use self::model::VerticalDisparity;
 use self::resample::{resample_8_bit, resample_16_bit};
 use crate::kernels::level::Level;
