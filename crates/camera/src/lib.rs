@@ -8,4 +8,4 @@
 
 mod stereo;
 
-pub use stereo::{CameraError, StereoCamera, middle};
+pub use stereo::{CameraError, DISPARITY_ERROR, StereoCamera, middle};

@@ -46,7 +46,7 @@
 //! | `mask0nocc.png` | [`read_mask`] | 255 = seen by both cameras |
 //! | pictures of `hazcam match --reasons` | [`read_reasons`] | why each pixel has its value or none |
 //! | `*_bounds.npy` | [`read_bounding_box`] | `[[x0, x1], [y0, y1]]`, inclusive |
-//! | calibrations of Middlebury, ETH3D, KITTI, OpenCV | [`read_calibration`], [`write_calibration`] | a [`camera::StereoCamera`] |
+//! | calibrations of Middlebury, ETH3D, KITTI, OpenCV, ROS | [`read_calibration`], and [`write_calibration`] as Middlebury has them | a [`camera::StereoCamera`] |
 //! | any of them | [`inspect`] | what is in it, in numbers |
 //! | `.npy` arrays between processes | [`npy`] | numbers of one stated type and shape |
 //!

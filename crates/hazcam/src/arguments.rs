@@ -76,9 +76,10 @@ pub fn disparity(text: &str) -> Result<i32, String> {
     whole(text, -FARTHEST..=FARTHEST)
 }
 
-/// An amount of memory, in bytes.
+/// An amount of memory, in bytes. A number alone is none: some mean megabytes by it.
 pub fn memory(text: &str) -> Result<usize, String> {
-    let bytes: Option<ByteSize> = text.parse().ok();
+    let has_unit = text.ends_with(|end: char| end.is_alphabetic());
+    let bytes: Option<ByteSize> = text.parse().ok().filter(|_| has_unit);
     let bytes = bytes.and_then(|bytes| bytes.as_u64().try_into().ok());
     bytes.ok_or_else(|| "give a number and a unit from B to TiB, such as 200MB or 1.5GiB".into())
 }
@@ -115,11 +116,10 @@ mod tests {
             ("64KiB", 1 << 16),
             ("1kB", 1000),
             ("12B", 12),
-            ("4096", 4096),
         ] {
             assert_eq!(memory(text), Ok(bytes), "{text}");
         }
-        for text in ["", "MB", "-1MB", "200 apples", "1,5GB"] {
+        for text in ["", "MB", "-1MB", "4096", "200 apples", "1,5GB"] {
             assert!(memory(text).is_err(), "{text}");
         }
     }

@@ -12,7 +12,6 @@ use clap::{Arg, CommandFactory, Parser, Subcommand};
 use crate::commands;
 use crate::ui::Ui;
 
-/// Done, and nothing fell past a threshold: the status is 0.
 /// A threshold that was asked for failed: the status is this.
 pub const THRESHOLD_FAILED: u8 = 1;
 /// Nothing was done, or not all of it: the status is this.
@@ -20,7 +19,7 @@ pub const ERROR: u8 = 2;
 
 const EXAMPLES: &str = "\
 Examples:
-  hazcam match left.png right.png -o disparity.pfm --max-disparity 64
+  hazcam match left.png right.png -o disparity.pfm --max-disparity 63
   hazcam score disparity.pfm truth.pfm --fail-over p_bad=0.05
   hazcam demo
 

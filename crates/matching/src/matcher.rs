@@ -49,7 +49,7 @@ pub(crate) trait Pipeline: Send {
         allowance: Allowance,
         map: &mut DisparityMap,
         profile: &mut Profile,
-    ) -> Result<(), MatchError>;
+    );
 }
 
 /// Takes filled values out again, of which nothing is then known, and says what each hole is.
@@ -204,11 +204,12 @@ impl Matcher {
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
         let Self { admission, pipeline, map, profile, pool, .. } = self;
-        threads::run_in(pool, || {
+        threads::run_in(pool, || -> Result<(), MatchError> {
             let allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
             profile.begin();
             map.reshape(columns, rows, bounds);
-            pipeline.run(&frame, allowance, map, profile)
+            pipeline.run(&frame, allowance, map, profile);
+            Ok(())
         })?;
         if self.options.holes == Holes::Keep {
             open_holes(map, bounds);

@@ -1,7 +1,7 @@
 """Dense stereo matching on a CPU: two rectified images in, a disparity map out.
 
 >>> import hazcam
->>> matcher = hazcam.Matcher("balanced", max_disparity=64)
+>>> matcher = hazcam.Matcher("balanced", max_disparity=63)
 >>> found = matcher.compute(left, right)     # numpy arrays, uint8 or uint16
 >>> found.values                             # float32, in pixels, NaN where there is none
 

@@ -61,7 +61,7 @@ class Matcher:
     def __init__(
         self,
         preset: Preset = "balanced",
-        max_disparity: int = 64,
+        max_disparity: int = 63,
         *,
         min_disparity: int = 0,
         threads: int | None = None,
@@ -135,7 +135,7 @@ class Matcher:
 def match(
     left: Image,
     right: Image,
-    max_disparity: int = 64,
+    max_disparity: int = 63,
     *,
     box: ArrayLike | None = None,
     preset: Preset = "balanced",

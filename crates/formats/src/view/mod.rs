@@ -20,7 +20,7 @@ mod embed;
 use std::io::{self, Write};
 use std::path::Path;
 
-use camera::StereoCamera;
+use camera::{DISPARITY_ERROR, StereoCamera};
 use raster::{Image, Plane, Reason};
 
 use crate::atomic::write_atomically;
@@ -47,7 +47,7 @@ impl<'a> View<'a> {
     /// pixels, as high as their disparity.
     pub fn new(title: &'a str, disparities: &'a Plane<f32>) -> Self {
         let (camera, image, confidence, reasons, truth) = (None, None, None, None, None);
-        let disparity_error = 0.5;
+        let disparity_error = DISPARITY_ERROR;
         Self { title, disparities, camera, disparity_error, image, confidence, reasons, truth }
     }
 

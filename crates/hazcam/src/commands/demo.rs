@@ -20,6 +20,9 @@ use crate::ui::Ui;
 /// seen by one camera only), a page of its points in space for a browser, and a JSON record.
 #[derive(clap::Args)]
 #[command(after_help = "\
+Environment:
+  HAZCAM_PYTHON  the Python that runs OpenCV's matchers, instead of python3 on PATH
+
 Examples:
   hazcam demo
   hazcam demo --matcher fast,best --out /tmp/demo

@@ -1,9 +1,12 @@
 //! `hazcam man`: the manual pages, made from the same text as `--help`.
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
+use clap_mangen::Man;
+use formats::write_atomically;
 
 use crate::ui::Ui;
 
@@ -18,22 +21,44 @@ pub struct Args {
     folder: Option<PathBuf>,
 }
 
+/// The heading of what follows the options.
+const AFTER: &str = ".SH EXTRA\n";
+
 /// Prints or writes the pages.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     // The help template lists the commands by group; a manual page lists them by itself.
-    let command = crate::cli::command();
+    let mut command = crate::cli::command().disable_help_subcommand(true);
+    command.build();
     match args.folder {
         Some(folder) => {
-            std::fs::create_dir_all(&folder)
-                .and_then(|()| clap_mangen::generate_to(command, &folder))
+            write(&command, &folder)
                 .with_context(|| format!("cannot write manual pages to {}", folder.display()))?;
             ui.note(format_args!("manual pages are in {}", folder.display()));
         }
-        None => {
-            let mut page = Vec::new();
-            clap_mangen::Man::new(command).render(&mut page)?;
-            ui.write(&page)?;
-        }
+        None => ui.write(&page(&Man::new(command))?)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the pages of a command and of all below it.
+fn write(command: &clap::Command, folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    for below in command.get_subcommands().filter(|below| !below.is_hide_set()) {
+        write(below, folder)?;
+    }
+    let man = Man::new(command.clone());
+    let text = page(&man)?;
+    write_atomically(&folder.join(man.get_filename()), |file| file.write_all(&text))?;
+    Ok(())
+}
+
+/// A page, with the text that follows the options line by line as it is: it has tables and commands.
+fn page(man: &Man) -> io::Result<Vec<u8>> {
+    let (mut page, mut after) = (Vec::new(), Vec::new());
+    man.render(&mut page)?;
+    man.render_extra_section(&mut after)?;
+    let [page, after] = [page, after].map(|text| String::from_utf8_lossy(&text).into_owned());
+    let Some((_, lines)) = after.split_once(AFTER) else { return Ok(page.into_bytes()) };
+    let as_it_is = format!(".SH NOTES\n.nf\n{lines}.fi\n");
+    Ok(page.replace(&format!("{AFTER}{lines}"), &as_it_is).into_bytes())
 }

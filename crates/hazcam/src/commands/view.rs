@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::bail;
+use camera::DISPARITY_ERROR;
 use formats::{Encoding, View, write_view};
 use raster::Plane;
 
@@ -69,7 +70,7 @@ pub struct Args {
     truth_encoding: Encoding,
 
     /// By how much disparities are off, in pixels: what that is worth in depth is told
-    #[arg(long, value_name = "PX", default_value_t = 0.5, help_heading = "What is shown")]
+    #[arg(long, value_name = "PX", default_value_t = DISPARITY_ERROR, help_heading = "What is shown")]
     #[arg(value_parser = arguments::positive, requires = "CameraArguments")]
     #[arg(allow_negative_numbers = true)]
     disparity_error: f64,

@@ -4,7 +4,6 @@ use raster::{BoundingBox, DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
 use super::memory;
-use crate::MatchError;
 use crate::aggregation::window::SlidingWindow;
 use crate::allowance::Allowance;
 use crate::cost::SearchSpace;
@@ -57,7 +56,7 @@ impl Fast {
         height: usize,
         map: &mut DisparityMap,
         profile: &mut Profile,
-    ) -> Result<(), MatchError> {
+    ) {
         let asked = frame.bounds;
         let frame = &widened(frame);
         let (columns, rows) = (frame.bounds.columns(), frame.bounds.rows());
@@ -85,7 +84,6 @@ impl Fast {
             profile.end("median", work);
         }
         map.empty_around(asked);
-        Ok(())
     }
 
     /// Steps 1 to 6: disparities that the right view confirms, and their confidence. Both are written,
@@ -232,9 +230,9 @@ impl Pipeline for Fast {
         _: Allowance,
         map: &mut DisparityMap,
         profile: &mut Profile,
-    ) -> Result<(), MatchError> {
+    ) {
         let height = frame.bounds.rows().div_ceil(rayon::current_num_threads());
-        self.run_in_bands(frame, height, map, profile)
+        self.run_in_bands(frame, height, map, profile);
     }
 }
 
@@ -286,9 +284,8 @@ mod tests {
         let mut map = DisparityMap::empty(columns, rows);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            Fast::new(level).run_in_bands(frame, height, &mut map, &mut Profile::new())
-        })
-        .unwrap();
+            Fast::new(level).run_in_bands(frame, height, &mut map, &mut Profile::new());
+        });
         map
     }
 
@@ -329,7 +326,7 @@ mod tests {
             let bounds = BoundingBox::whole(columns, rows);
             let frame = Frame { left: &left, right: &right, bounds, range };
             found.reshape(columns, rows, bounds);
-            reused.run_in_bands(&frame, 7, &mut found, &mut Profile::new()).unwrap();
+            reused.run_in_bands(&frame, 7, &mut found, &mut Profile::new());
             let expected = map(Level::detect(), &frame, 7, 1);
             assert!(bits(&found) == bits(&expected), "{columns} x {rows}");
         }

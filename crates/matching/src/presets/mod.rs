@@ -55,6 +55,6 @@ pub(crate) fn teach(
     let (columns, rows) = frame.size();
     let mut stages = SemiGlobalMatching::teaching(preset, Level::detect(), lesson);
     let (mut map, mut profile) = (DisparityMap::empty(columns, rows), Profile::new());
-    stages.run(frame, Allowance::unbounded(), &mut map, &mut profile)?;
+    stages.run(frame, Allowance::unbounded(), &mut map, &mut profile);
     Ok(stages.into_lesson().expect("it was given one"))
 }

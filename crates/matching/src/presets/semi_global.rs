@@ -35,7 +35,7 @@ use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::FixedPoint;
 use crate::selection::winner::Winners;
-use crate::{MatchError, Preset};
+use crate::Preset;
 
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image. Where only three
@@ -429,7 +429,7 @@ impl Pipeline for SemiGlobalMatching {
         allowance: Allowance,
         map: &mut DisparityMap,
         profile: &mut Profile,
-    ) -> Result<(), MatchError> {
+    ) {
         let bounds = frame.bounds;
         let width = frame.size().0;
         let work = surroundings(bounds, frame.size());
@@ -482,6 +482,5 @@ impl Pipeline for SemiGlobalMatching {
         self.answer(&space, search, chooses, &mut sure, bounds, map, profile);
         self.confidence = sure;
         self.pair = pair;
-        Ok(())
     }
 }

@@ -75,7 +75,8 @@ pub fn ended(test: &TestResult) -> String {
 /// After everything: what was noticed in the files, and the points.
 pub fn summary(report: &Report) -> String {
     let mut text = String::from("\n");
-    if report.calibration.is_noisy() {
+    let ran = report.tests.iter().any(|test| test.usage.cpu_seconds.is_some());
+    if ran && report.calibration.is_noisy() {
         text.push_str(&format!(
             "The machine was busy: a fixed piece of work took {:.2} ms before and {:.2} ms after \
              the tests. Take the times with caution.\n",

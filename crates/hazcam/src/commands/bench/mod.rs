@@ -51,6 +51,9 @@ Engines that come with hazcam: fast, balanced, best, and OpenCV's matchers openc
 opencv-bm-9x9, opencv-3way, opencv-hh, opencv-3way-1x1, opencv-wls (Python with
 opencv-contrib-python-headless is needed). Your own are TOML files in a folder, see --engines.
 
+Environment:
+  HAZCAM_PYTHON  the Python that runs OpenCV's matchers, instead of python3 on PATH
+
 Examples:
   HAZCAM_DATA=~/stereo hazcam bench
   hazcam bench --use tuning --matcher best --reference opencv-wls

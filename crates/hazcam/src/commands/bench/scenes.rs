@@ -23,7 +23,7 @@ pub struct SceneArguments {
 
     /// Only scenes of this use [default: all that have truth]
     #[arg(long = "use", value_name = "USE", id = "purpose")]
-    #[arg(value_parser = super::super::choice(["test", "tuning", "rover"]))]
+    #[arg(value_parser = super::super::choice(Purpose::ALL.map(Purpose::name)))]
     purpose: Option<String>,
 }
 

@@ -19,7 +19,7 @@ Everything but the self-match is optional: what is absent is told together with 
 Environment:
   HAZCAM_CPU     vector instructions to use instead of the best
   HAZCAM_DATA    folder with stereo data sets
-  HAZCAM_PYTHON  Python to look for numpy and OpenCV in
+  HAZCAM_PYTHON  Python to look for numpy, scipy and OpenCV in
 
 Exit status: 0 the self-match is right, 2 it is not.")]
 pub struct Args {

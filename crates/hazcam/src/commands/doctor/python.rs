@@ -1,4 +1,4 @@
-//! Which Python there is, and whether it has numpy and OpenCV.
+//! Which Python there is, and whether it has numpy, scipy and OpenCV.
 
 use std::process::{Command, Stdio};
 
@@ -6,11 +6,11 @@ use arena::engine::Programs;
 
 use super::Finding;
 
-/// Prints the versions of Python, numpy and OpenCV, one a line; a dash for what is missing.
+/// Prints the versions of Python, numpy, scipy and OpenCV, one a line; a dash for what is missing.
 const PROGRAM: &str = "
 import platform
 print(platform.python_version())
-for name in ('numpy', 'cv2'):
+for name in ('numpy', 'scipy', 'cv2'):
     try:
         print(__import__(name).__version__)
     except Exception:
@@ -44,6 +44,7 @@ pub fn look() -> Vec<Finding> {
     vec![
         finding("python", "grading Python submissions needs it"),
         finding("numpy", "grading Python submissions needs it"),
+        finding("scipy", "Python submissions that use it cannot be graded"),
         finding("cv2", "comparing with OpenCV needs it"),
     ]
 }

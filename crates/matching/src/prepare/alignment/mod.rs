@@ -1,9 +1,9 @@
 //! Vertical disparity that rectification left, found and taken out of the right image.
 //!
 //! Rectified, a point stands in one row of both images, and all matching relies on it. Real pairs come
-//! close: a camera that is turned by a hundredth of a radian, or a calibration some weeks old, moves
-//! things by half a pixel in one corner and by none in the other, and one pixel is enough to spoil
-//! small windows. It is seen without knowing any depth, since it changes smoothly over the image:
+//! close: a camera that is turned by a thousandth of a radian, as a calibration of some weeks ago may
+//! have it, moves things by up to half a pixel or more, in one corner otherwise than in the next, and one pixel
+//! is enough to spoil small windows. It is seen without knowing any depth, since it changes smoothly over the image:
 //!
 //! 1. Corners (Shi & Tomasi 1994) spread over the left image are matched in the right one, some rows
 //!    up and down too, to a fraction of a pixel ([`correspondence`]).
