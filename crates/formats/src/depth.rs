@@ -14,7 +14,7 @@ const DEPTHS: Numbers = Numbers {
     scale: 1000.0,
     below: 65.5355,
     png: "a 16-bit PNG of millimetres holds 0 to 65.535 m: write .pfm, .npy or .tiff instead, or leave out \
-          what is farther (`hazcam depth --max-depth 65.5`)",
+          what is far by a smaller `hazcam depth --max-depth`",
 };
 
 /// Writes a depth map, its format by extension, whole or not at all.

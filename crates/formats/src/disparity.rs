@@ -22,8 +22,8 @@ pub struct ReadDisparity {
 /// Reads a disparity map.
 ///
 /// With [`Encoding::Auto`] the content decides. Integers do not say their scale: 16-bit grey is
-/// taken for KITTI's (/ 256), 8-bit grey and arrays of int16 for whole disparities (/ 1), and the note says so,
-/// because a map read at the wrong scale looks right and scores as almost all wrong. Any other
+/// taken for KITTI's (/ 256), 8-bit grey and arrays of int16, uint16 and uint8 for whole disparities (/ 1), and the
+/// note says so, because a map read at the wrong scale looks right and scores as almost all wrong. Any other
 /// encoding is a demand: a file of another kind is an error.
 ///
 /// Errors: [`FormatError::Read`], [`FormatError::WrongKind`] for a file that holds no disparities or not so encoded,
@@ -42,10 +42,21 @@ pub fn read_disparity(
         Container::Npy => {
             demand(&source, container, encoding, Encoding::Npy)?;
             let (values, dtype) = from_npy(&source)?;
-            let note = (encoding == Encoding::Auto && dtype == npy::Dtype::Int16).then(|| {
-                "whole numbers of 16 bits do not say their scale: pixels were assumed (npy); OpenCV's \
-                 matchers give sixteenths, which must be divided by 16 before"
-                    .to_owned()
+            let scaled = match dtype {
+                npy::Dtype::Int16 => {
+                    "OpenCV's matchers give sixteenths, which must be divided by 16 before"
+                }
+                npy::Dtype::Uint16 => {
+                    "KITTI's are 256ths, which must be divided by 256 before, with NaN instead of 0"
+                }
+                npy::Dtype::Uint8 => {
+                    "Middlebury's are halves, thirds or quarters, which must be divided before, with NaN \
+                     instead of 0"
+                }
+                _ => "",
+            };
+            let note = (encoding == Encoding::Auto && !scaled.is_empty()).then(|| {
+                format!("{dtype} does not say its scale: pixels were assumed (npy); {scaled}")
             });
             Ok(ReadDisparity { note, ..floats(values, Encoding::Npy) })
         }
@@ -97,7 +108,7 @@ fn from_npy(source: &Source) -> Result<(Plane<f32>, npy::Dtype), FormatError> {
     let values = samples.to_f64();
     if let Some(at) = values.iter().position(|v| v.is_finite() && v.abs() > f64::from(f32::MAX)) {
         let (x, y, value) = (at % columns, at / columns, values[at]);
-        let found = format!("a .npy array whose value at column {x}, row {y} is {value}");
+        let found = format!("a .npy array whose value at column {x}, row {y} is {value:e}");
         return Err(source.wrong_kind(found, "disparities must fit float32"));
     }
     let keep = |v: f64| if v.is_finite() { v as f32 } else { f32::NAN };

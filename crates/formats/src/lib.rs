@@ -3,7 +3,8 @@
 //! What a file is, its first bytes decide; the extension decides only what is written. A file that
 //! breaks its format's rules, claims more than it holds, or holds something else than is needed is
 //! an error that names the file, the value, what is allowed and the remedy. Nothing is repaired,
-//! and no memory is taken on the word of a file.
+//! and no memory is taken on the word of a file. What cannot be noticed is damage within the compressed
+//! data of a JPEG that still has its end: the format has no checksum.
 //!
 //! # Pictures: [`read_image`], [`write_image`]
 //!
@@ -11,7 +12,7 @@
 //! | --- | --- | --- | --- |
 //! | PNG | `.png` | grey, colour, palette, with or without alpha (dropped); 1 to 16 bit | yes, 8 and 16 bit |
 //! | PGM, PPM (P2, P3, P5, P6) | `.pgm`, `.ppm` | grey, colour; maxval 1 to 65535 (scaled to 255 or 65535) | yes, 8 and 16 bit |
-//! | JPEG | `.jpg` | grey, colour; baseline and progressive, 8 bit | no |
+//! | JPEG | `.jpg` | grey, colour; baseline and progressive, 8 bit; of several pictures (MPO) the first | no |
 //! | TIFF | `.tif`, `.tiff` | grey, colour, with or without alpha (dropped); 8 and 16 bit | no |
 //!
 //! # Disparity maps: [`read_disparity`], [`write_disparity`]
@@ -21,7 +22,7 @@
 //! | format | [`Encoding`] | sample | no value | written |
 //! | --- | --- | --- | --- | --- |
 //! | PFM (Middlebury, ETH3D) | `pfm` | float32, bottom row first, byte order by the scale's sign | `INF`, NaN | `.pfm`, `+INF` |
-//! | NumPy | `npy` | bool, integers, float16 to float64, `rows x columns` | infinite, NaN | `.npy`, float32, NaN |
+//! | NumPy | `npy` | integers, float16 to float64, `rows x columns` | infinite, NaN | `.npy`, float32, NaN |
 //! | KITTI | `png16/256` | uint16 / 256 | 0 | `.png`, 0 |
 //! | Middlebury 2003 (Cones, Teddy) | `png8/4` | uint8 / 4 | 0 | no |
 //! | Middlebury 2005 and 2006 | `png8/3`, `png8/2`, `png8/1` at third, half, full size | uint8 / 3, / 2, / 1 | 0 | no |

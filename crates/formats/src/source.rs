@@ -4,7 +4,7 @@
 //! claimed size can be held against the bytes that are really there before memory is taken for it.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use crate::FormatError;
@@ -14,6 +14,12 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// The most bytes that are read from one file: those of [`MAX_PIXELS`] of the widest samples, and a header.
 pub const MAX_FILE_BYTES: u64 = 8 * MAX_PIXELS + (1 << 20);
+
+/// So many bytes tell what a file is.
+const BEGINNING: u64 = 512;
+
+/// Texts that are read are shorter than this.
+const LONGEST_TEXT: u64 = 1 << 20;
 
 /// What a file is, by its first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
@@ -93,9 +99,20 @@ impl Source {
         if length > MAX_FILE_BYTES {
             return Err(too_large(format!("it has {length} bytes")));
         }
-        let mut bytes = Vec::with_capacity(length as usize);
+        let mut bytes = Vec::new();
+        // What is none of ours is told by its beginning; short texts may be calibrations.
+        (&file).take(BEGINNING).read_to_end(&mut bytes).map_err(failed)?;
+        if length > LONGEST_TEXT && Container::of(&bytes).is_none() {
+            let source = Self { path: path.to_owned(), bytes };
+            return source.container().map(|_| source);
+        }
+        let rest = (length as usize).saturating_sub(bytes.len());
+        bytes.try_reserve_exact(rest).map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
         // A pipe or device has no length: its end is looked for, but not without end.
-        file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+        (&file)
+            .take(MAX_FILE_BYTES + 1 - bytes.len() as u64)
+            .read_to_end(&mut bytes)
+            .map_err(failed)?;
         if bytes.len() as u64 > MAX_FILE_BYTES {
             return Err(too_large("it has no end in sight".to_owned()));
         }

@@ -27,6 +27,8 @@ fn lossless_pictures_are_exact() {
         ("interlaced.png", Image::Grey8(plane(grey))),
         ("grey16.tif", Image::Grey16(plane(grey16))),
         ("colour_lzw.tif", Image::Rgb8(plane(colour))),
+        ("colour_sample_formats.tif", Image::Rgb8(plane(colour))),
+        ("grey_alpha.tif", Image::Grey8(plane(grey))),
         ("alpha.png", Image::Rgb8(plane(colour))),
         ("bits.png", Image::Grey8(plane(|x, y| if (x + y) % 2 == 0 { 255 } else { 0 }))),
         (
@@ -45,6 +47,17 @@ fn lossless_pictures_are_exact() {
         ),
     ] {
         assert_eq!(read_image(foreign(name)).unwrap(), expected, "{name}");
+    }
+}
+
+#[test]
+fn what_would_be_misread_is_refused() {
+    for (name, words) in [
+        ("four_samples.tif", "4 samples a pixel, of which 3 have a known meaning"),
+        ("bits_reversed.tif", "tiffcp -f msb2lsb"),
+    ] {
+        let error = read_image(foreign(name)).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use formats::{Encoding, ReadDisparity};
+use matching::few_bits;
 use raster::{Image, Plane, Reason};
 
 use crate::ui::Ui;
@@ -22,11 +23,18 @@ impl Map {
         Ok(Self { path: path.to_owned(), disparities: disparities(path, encoding, ui)? })
     }
 
-    /// The left image.
-    pub fn image(&self, path: &Path) -> anyhow::Result<Image> {
+    /// The left image, for colours. Samples of 16 bits that use few of them would all be black: they are spread over
+    /// all, which is said.
+    pub fn image(&self, path: &Path, ui: &Ui) -> anyhow::Result<Image> {
         let image = formats::read_image(path)?;
         self.same_size(path, image.size())?;
-        Ok(image)
+        let Some(used) = few_bits(&image, &image) else { return Ok(image) };
+        ui.note(format_args!(
+            "{}: of 16 bits the upper {} are never used: its colours are made as bright as {used} bits are",
+            path.display(),
+            u16::BITS - used
+        ));
+        Ok(image.widened_from(used))
     }
 
     /// How sure each pixel is, from 0 to 1; NaN is not sure.

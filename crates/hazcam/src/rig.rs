@@ -37,7 +37,7 @@ pub struct CameraArguments {
     /// Column and row of the principal point, in pixels; points alone need it [default: the middle
     /// of the image]
     #[arg(long, value_name = "CX,CY", requires = "focal", value_parser = principal_point)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     principal: Option<[f64; 2]>,
 }
 
@@ -126,11 +126,8 @@ fn calibrated(
         ));
     }
     Ok(match image {
-        // Its folder tells, which a name from there does not have.
-        Some(image) => {
-            let place = formats::destination(image);
-            calibration.camera_of(place.as_deref().unwrap_or(image))
-        }
+        // Its folder tells, which a name from there does not have; the file itself may lie elsewhere.
+        Some(image) => calibration.camera_of(in_its_folder(image)),
         None => {
             if calibration.colour_camera.is_some_and(|colour| colour != calibration.camera) {
                 ui.note(format_args!(
@@ -142,6 +139,16 @@ fn calibrated(
             calibration.camera
         }
     })
+}
+
+/// The path of a file with its folder in full.
+fn in_its_folder(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = std::fs::canonicalize(folder.unwrap_or(Path::new(".")));
+    match (folder, path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
 }
 
 #[cfg(test)]

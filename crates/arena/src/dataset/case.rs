@@ -29,7 +29,8 @@ pub enum Purpose {
 
 impl Purpose {
     /// Every purpose.
-    pub const ALL: [Purpose; 4] = [Purpose::Test, Purpose::Tuning, Purpose::Rover, Purpose::Rendered];
+    pub const ALL: [Purpose; 4] =
+        [Purpose::Test, Purpose::Tuning, Purpose::Rover, Purpose::Rendered];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {

@@ -102,6 +102,9 @@ impl Calibration {
 /// By so much of themselves focal lengths are rounded at the most.
 const ROUNDED: f64 = 1e-3;
 
+/// Zeros and ones of matrices may be off by so much: they were computed.
+const EXACT: f64 = 1e-6;
+
 /// Principal points of a rectified pair may differ by so many rows: files are rounded.
 const SAME_ROW: f64 = 0.5;
 
@@ -261,8 +264,27 @@ impl<'a> Entries<'a> {
         matrices: &[[f64; N]; 2],
     ) -> Result<(), FormatError> {
         let of_both = |at: usize| matrices.each_ref().map(|matrix| matrix[at]);
-        let second_row = N / 3;
+        let (second_row, third_row) = (N / 3, 2 * (N / 3));
         let [name, other] = names;
+        let fixed = [
+            (1, 0.0),
+            (second_row, 0.0),
+            (third_row, 0.0),
+            (third_row + 1, 0.0),
+            (third_row + 2, 1.0),
+        ];
+        for (at, expected) in fixed {
+            for (name, number) in names.into_iter().zip(of_both(at)) {
+                if (number - expected).abs() > EXACT {
+                    let (row, column) = (at / second_row + 1, at % second_row + 1);
+                    let problem = format!(
+                        "{name} has {number} in row {row}, column {column}: the camera of a rectified pair has \
+                         {expected} there"
+                    );
+                    return Err(self.fail(None, problem));
+                }
+            }
+        }
         let [focal, of_other] = of_both(0);
         if focal != of_other {
             let problem = format!(

@@ -195,7 +195,9 @@ fn picture(format: Container, decoded: &Decoded) -> FileContent {
         Image::Rgb16(p) => (3, sixteen(p.samples().as_flattened())),
     };
     let as_disparities = match image {
-        Image::Grey8(p) if stored.exact && format != Container::Jpeg => {
+        // Those of JPEG are not exact, those of TIFF are floats.
+        _ if matches!(format, Container::Jpeg | Container::Tiff) => Vec::new(),
+        Image::Grey8(p) if stored.exact => {
             readings(p, [1.0, 2.0, 3.0, 4.0].map(|divisor| Encoding::Png8 { divisor }))
         }
         Image::Grey16(p) if stored.exact => readings(p, [Encoding::Png16 { divisor: 256.0 }]),

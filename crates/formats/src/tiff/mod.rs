@@ -31,6 +31,15 @@ pub(crate) enum Content {
 
 /// The sample format of floats.
 const FLOATS: u16 = 3;
+/// The fill order of bytes whose first bit is the lowest.
+const BACKWARDS: u32 = 2;
+/// The compression LZW.
+const LZW: u16 = 5;
+/// Kinds of further samples that are alpha, multiplied with the colours or not.
+const ALPHA: [u16; 2] = [1, 2];
+/// Grey with alpha, as the decoder calls it.
+const GREY_WITH_ALPHA_8: ColorType = ColorType::Multiband { bit_depth: 8, num_samples: 2 };
+const GREY_WITH_ALPHA_16: ColorType = ColorType::Multiband { bit_depth: 16, num_samples: 2 };
 /// What is read.
 const SAMPLES: &str = "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed";
 
@@ -48,8 +57,10 @@ pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     // The decoder would turn floats into 1 - v.
     let white: Option<u16> =
         decoder.find_tag_unsigned(Tag::PhotometricInterpretation).map_err(failed)?;
-    let kind: Option<u16> = decoder.find_tag_unsigned(Tag::SampleFormat).map_err(failed)?;
-    if color == ColorType::Gray(32) && kind == Some(FLOATS) && white == Some(0) {
+    // One of each sample.
+    let kinds = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(failed)?;
+    let is_floats = kinds.is_some_and(|kinds| kinds.contains(&FLOATS));
+    if color == ColorType::Gray(32) && is_floats && white == Some(0) {
         return Err(source.wrong_kind(
             "a TIFF of floats in which 0 is white",
             "save it with 0 as black (photometric `minisblack`)",
@@ -60,6 +71,7 @@ pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
         source.check_size(FORMAT, u64::from(columns), u64::from(rows), |pixels| {
             pixels * bits / 8 / LARGEST_RATIO
         })?;
+    refuse_misread(source, &mut decoder, color)?;
     let planar: Option<u16> =
         decoder.find_tag_unsigned(Tag::PlanarConfiguration).map_err(failed)?;
     if planar == Some(2) && color.num_samples() > 1 {
@@ -73,8 +85,66 @@ pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     limits.intermediate_buffer_size = source.bytes.len();
     let mut decoder = decoder.with_limits(limits);
     let mut samples = DecodingResult::U8(Vec::new());
-    decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
+    let is_tiled_lzw = is_tiled_lzw(&mut decoder).map_err(failed)?;
+    decoder.read_image_to_buffer(&mut samples).map_err(|error| match error {
+        TiffError::IoError(e) if is_tiled_lzw && e.kind() == io::ErrorKind::UnexpectedEof => source
+            .wrong_kind(
+                "a TIFF whose tiles of LZW cannot be read to their end",
+                "a whole file is needed; if it was copied whole, save it in strips or with Deflate",
+            ),
+        error => failed(error),
+    })?;
     content(source, columns, rows, color, samples)
+}
+
+/// Refuses what the decoder would make other samples of, or take memory for, without a word.
+fn refuse_misread(
+    source: &Source,
+    decoder: &mut Decoder<Cursor<&[u8]>>,
+    color: ColorType,
+) -> Result<(), FormatError> {
+    let mut tag = |tag| {
+        let value = decoder.find_tag_unsigned::<u32>(tag);
+        value.map_err(|error| explain(source, error))
+    };
+    if tag(Tag::FillOrder)? == Some(BACKWARDS) {
+        return Err(source.wrong_kind(
+            "a TIFF whose bytes have their bits the other way round",
+            "the usual order (FillOrder 1) is needed: `tiffcp -f msb2lsb`",
+        ));
+    }
+    let samples = tag(Tag::SamplesPerPixel)?.unwrap_or(1);
+    // A tile may be larger than the picture; memory is taken for a row of it.
+    if let Some(across) = tag(Tag::TileWidth)? {
+        let row = u64::from(across) * u64::from(color.bit_depth()) * u64::from(samples) / 8;
+        if row / LARGEST_RATIO > source.bytes.len() as u64 {
+            return Err(source.malformed(
+                FORMAT,
+                source.bytes.len() as u64,
+                format!("it claims tiles of {across} columns, more than it has bytes for"),
+            ));
+        }
+    }
+    let others = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
+    let others = others.map_err(|error| explain(source, error))?.unwrap_or_default();
+    let of_colour = if matches!(color, ColorType::RGB(_) | ColorType::RGBA(_)) { 3 } else { 1 };
+    let has_alpha =
+        samples == of_colour + 1 && others.first().is_some_and(|kind| ALPHA.contains(kind));
+    if samples != of_colour && !has_alpha {
+        return Err(source.wrong_kind(
+            format!(
+                "a TIFF of {samples} samples a pixel, of which {of_colour} have a known meaning"
+            ),
+            "grey or RGB is needed, with alpha at most, marked as such: save it without the others",
+        ));
+    }
+    Ok(())
+}
+
+/// Whether it is of the kind of which the decoder cannot read all: some of LZW's tiles that overhang the picture.
+fn is_tiled_lzw(decoder: &mut Decoder<Cursor<&[u8]>>) -> Result<bool, TiffError> {
+    let compression: Option<u16> = decoder.find_tag_unsigned(Tag::Compression)?;
+    Ok(compression == Some(LZW) && decoder.find_tag(Tag::TileWidth)?.is_some())
 }
 
 fn content(
@@ -98,11 +168,11 @@ fn content(
         (ColorType::Gray(16), DecodingResult::U16(v)) => {
             (Plane::new(columns, rows, v).map(Image::Grey16), stored("grey", 16, true))
         }
-        (ColorType::GrayA(8), DecodingResult::U8(v)) => {
+        (GREY_WITH_ALPHA_8, DecodingResult::U8(v)) => {
             let v = v.as_chunks().0.iter().map(|&[v, _]| v).collect();
             (Plane::new(columns, rows, v).map(Image::Grey8), stored("grey with alpha", 8, false))
         }
-        (ColorType::GrayA(16), DecodingResult::U16(v)) => {
+        (GREY_WITH_ALPHA_16, DecodingResult::U16(v)) => {
             let v = v.as_chunks().0.iter().map(|&[v, _]| v).collect();
             (Plane::new(columns, rows, v).map(Image::Grey16), stored("grey with alpha", 16, false))
         }
@@ -131,8 +201,9 @@ fn content(
 
 fn explain(source: &Source, error: TiffError) -> FormatError {
     match error {
+        // Some list what all samples have, of which a file may claim thousands.
         TiffError::UnsupportedError(what) => source.wrong_kind(
-            format!("a TIFF of a kind that is not read ({what})"),
+            format!("a TIFF of a kind that is not read ({:.100})", what.to_string()),
             "save it uncompressed or with LZW or Deflate, 8 or 16 bit grey or RGB, or float32",
         ),
         TiffError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => source.malformed(

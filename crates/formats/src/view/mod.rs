@@ -102,6 +102,15 @@ impl<'a> View<'a> {
         let values = depths.as_ref().unwrap_or(self.disparities);
         values.samples().iter().filter(|value| value.is_finite()).count()
     }
+
+    /// How many of them are shown at first: those that are sure enough.
+    pub fn shown(&self) -> usize {
+        let Some((sure, least)) = self.confidence else { return self.points() };
+        let depths = self.depths();
+        let values = depths.as_ref().unwrap_or(self.disparities);
+        let pixels = values.samples().iter().zip(sure.samples());
+        pixels.filter(|&(value, &sure)| value.is_finite() && sure >= least).count()
+    }
 }
 
 /// Writes a view as a page, whole or not at all.

@@ -159,7 +159,10 @@ function known(at) {
       told.push([`\u00b1 ${error} px are`, `${short(near)} m to ${farthest}`]);
     }
   }
-  if (maps.confidence) told.push(["Confidence", maps.confidence[at].toFixed(2)]);
+  if (maps.confidence) {
+    const sure = maps.confidence[at];
+    told.push(["Confidence", Number.isNaN(sure) ? "none" : sure.toFixed(2)]);
+  }
   if (maps.reasons) told.push(["Reason", reasons()[maps.reasons[at]]]);
   if (maps.truth) {
     const truth = maps.truth[at];

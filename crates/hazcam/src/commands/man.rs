@@ -48,7 +48,7 @@ fn write(command: &clap::Command, folder: &Path) -> anyhow::Result<()> {
     }
     let man = Man::new(command.clone());
     let text = page(&man)?;
-    write_atomically(&folder.join(man.get_filename()), |file| file.write_all(&text))?;
+    write_atomically(folder.join(man.get_filename()), |file| file.write_all(&text))?;
     Ok(())
 }
 

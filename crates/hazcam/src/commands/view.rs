@@ -89,7 +89,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     outputs::check(&[page(&args.output, &View::new("", &Plane::filled(1, 1, 1.0)))], &inputs)?;
 
     let map = Map::read(&args.disparity, args.encoding, ui)?;
-    let image = args.image.as_ref().map(|path| map.image(path)).transpose()?;
+    let image = args.image.as_ref().map(|path| map.image(path, ui)).transpose()?;
     let confidence = args.confidence.as_ref().map(|path| map.confidence(path)).transpose()?;
     let reasons = args.reasons.as_ref().map(|path| map.reasons(path)).transpose()?;
     let truth = args.truth.as_ref().map(|path| map.truth(path, args.truth_encoding, ui));
@@ -132,7 +132,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     ui.note(format_args!(
         "{} shows {} points of {} pixels",
         args.output.display(),
-        view.points(),
+        view.shown(),
         map.disparities.samples().len()
     ));
     Ok(ExitCode::SUCCESS)

@@ -24,6 +24,31 @@ fn how_far_depth_is_good_is_printed() {
 }
 
 #[test]
+fn guesses_are_told_of_where_nobody_leaves_them_out() {
+    let folder = folder();
+    folder.disparities("full.pfm", &[50.0, 100.0, 20.0, 40.0, 10.0]);
+    let told = |more: &str| folder.run(&format!("depth full.pfm {CAMERA} {more}")).done().stderr;
+    assert!(told("").contains("--holes keep"), "{}", told(""));
+    assert_eq!(told("--confidence sure.pfm --min-confidence 0.5"), "");
+}
+
+#[test]
+fn pictures_that_use_few_of_their_bits_have_colours_too() {
+    let folder = folder();
+    let image = Image::Grey16(Plane::from_fn(5, 1, |x, _| 1000 * x as u16));
+    formats::write_image(folder.path("dark.png"), &image).unwrap();
+    let run = folder.run(&format!("depth d.pfm {CAMERA} --image dark.png --points p.ply")).done();
+    assert!(
+        run.stderr.contains("dark.png: of 16 bits the upper 4 are never used"),
+        "{}",
+        run.stderr
+    );
+    let points = std::fs::read(folder.path("p.ply")).unwrap();
+    // The last pixel has 4000 of 4095, which is 250 of 255.
+    assert_eq!(points[points.len() - 3..], [250, 250, 250]);
+}
+
+#[test]
 fn depth_its_uncertainty_and_points_are_written() {
     let folder = folder();
     folder.image("left.png", 5, 1, 0);
@@ -60,7 +85,14 @@ fn the_folder_of_a_picture_tells_its_camera_however_it_is_named() {
     let matrices = [("P0", 0.0), ("P1", -378.0), ("P2", 42.0), ("P3", -329.0)];
     let line = |(name, shift)| format!("{name}: 700 0 2 {shift} 0 700 0 0 0 0 1 0\n");
     std::fs::write(folder.path("calib.txt"), matrices.map(line).concat()).unwrap();
-    for (from, image) in [("", "image_2/0.png"), ("image_2", "0.png"), ("image_2", "./0.png")] {
+    // A picture that lies elsewhere belongs to the folder from which it is named.
+    folder.image("stored.png", 5, 1, 0);
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(folder.path("stored.png"), folder.path("image_2/1.png")).unwrap();
+    let stored = if cfg!(unix) { "image_2/1.png" } else { "image_2/0.png" };
+    for (from, image) in
+        [("", "image_2/0.png"), ("", stored), ("image_2", "0.png"), ("image_2", "./0.png")]
+    {
         let here = folder.path(from);
         let at = |name: &str| folder.path(name).into_os_string();
         let mut command = folder.command();

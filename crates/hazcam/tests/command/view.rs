@@ -291,9 +291,9 @@ fn what_is_pointed_at_is_told_and_marked_everywhere() {
         "column 50, row 24",
         "20.000 px",
         "1.6 m",
-        // 32 / 20.5 and 32 / 19.5
-        "\u{b1} 0.5 px are",
-        "1.561 m to 1.641 m",
+        // 32 / 21 and 32 / 19
+        "\u{b1} 1 px are",
+        "1.524 m to 1.684 m",
         "0.25",
         "seen by the left camera only, filled",
         "30.000 px, off by -10.000 px",

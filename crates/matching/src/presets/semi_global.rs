@@ -14,6 +14,7 @@ use super::pair::{Pair, Prepared};
 use super::penalties::penalties;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
+use crate::Preset;
 use crate::allowance::Allowance;
 use crate::cost::census_gradient::FeaturePair;
 use crate::cost::{MatchedRows, SearchSpace};
@@ -35,7 +36,6 @@ use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::FixedPoint;
 use crate::selection::winner::Winners;
-use crate::Preset;
 
 /// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
 /// nor is one that has no others to be compared with, at the end of the right image. Where only three

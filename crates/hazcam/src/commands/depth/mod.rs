@@ -102,7 +102,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     outputs::check(&all(&args, &anyone, &Plane::filled(1, 1, 1.0), &[]), &inputs)?;
 
     let map = Map::read(&args.disparity, args.encoding, ui)?;
-    let image = args.image.as_ref().map(|path| map.image(path)).transpose()?;
+    let image = args.image.as_ref().map(|path| map.image(path, ui)).transpose()?;
     let confidence = args.confidence.as_ref().map(|path| map.confidence(path)).transpose()?;
     let Some(camera) = args.rig.camera(map.disparities.size(), args.image.as_deref(), ui)? else {
         bail!(
@@ -126,7 +126,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         &depths,
         points.as_deref().unwrap_or_default(),
     ))?;
-    if let Some(doubt) = counts.doubt() {
+    if let Some(doubt) = counts.doubt(&map.disparities, &camera) {
         ui.warn(doubt);
     }
     if confidence.is_none() && counts.without_disparity == 0 {
