@@ -51,7 +51,8 @@ fn is_sound(name: &str, bytes: &[u8]) -> bool {
 #[test]
 fn every_decoder_survives_every_damage() {
     for (name, bytes) in &samples::every_kind() {
-        assert_eq!(is_sound(name, bytes), name != "objects.npy", "{name} as it is");
+        let refused = ["objects.npy", "four_samples.tif", "bits_reversed.tif"].contains(&&name[..]);
+        assert_eq!(is_sound(name, bytes), !refused, "{name} as it is");
 
         // Text that is cut off may still be whole, only with other numbers.
         let text = name.starts_with("plain") || name.ends_with(".txt");
