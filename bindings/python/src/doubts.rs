@@ -1,6 +1,6 @@
 //! What is doubtful about an answer, in words for Python programmers.
 
-use matching::{Doubt, VerticalDisparity, doubts, few_bits};
+use matching::{Doubt, VerticalDisparity, doubts, few_bits, few_levels};
 use raster::{BoundingBox, DisparityRange, Image};
 
 /// Says what is doubtful, what it may come from, and what to do. The same doubts about another frame
@@ -14,10 +14,14 @@ pub fn in_words(
     let range = matcher.options().range;
     let bounds = bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
     let mut words: Vec<String> = few_bits(left, right).map(of_bits).into_iter().collect();
+    words.extend(few_levels(left, right).map(|_| FEW_LEVELS.to_owned()));
     words.extend(matcher.vertical_disparity().and_then(of_rows));
     words.extend(doubts(matcher.map(), bounds, range).into_iter().map(|doubt| of(doubt, range)));
     words
 }
+
+const FEW_LEVELS: &str = "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes matches \
+                         worse; spread them over all of it, alike in both";
 
 fn of_bits(used: u32) -> String {
     let unused = u16::BITS - used;
@@ -55,5 +59,9 @@ fn of(doubt: Doubt, range: DisparityRange) -> String {
             "many of the matched pixels lie at the smallest disparity, {min}: there may be farther \
              things that are missed; lower `min_disparity`"
         ),
+        Doubt::Infinite(_) => "many of the matched pixels lie at disparity 0, infinitely far. If nothing is, the two \
+                               show what belongs to the cameras: blocks of compressed pictures, dust on lenses, \
+                               vignetting"
+            .to_owned(),
     }
 }

@@ -63,8 +63,8 @@ impl Allowance {
 pub(crate) struct Admission {
     asked: Option<usize>,
     memory: Memory,
-    /// The most that a frame needed so far, and what it was allowed.
-    largest: Option<(usize, Allowance)>,
+    /// The most that a frame needed and the most pixels that one had so far, and what was allowed.
+    largest: Option<([usize; 2], Allowance)>,
 }
 
 impl Admission {
@@ -74,13 +74,14 @@ impl Admission {
     }
 
     /// What a frame may take that needs so many bytes at the least; an error where that is not enough. What the
-    /// process has taken is asked only when a frame needs more than all before: the matcher's own memory is then
-    /// counted twice at the worst, and never for frames of one size.
+    /// process has taken is asked only when a frame needs more, or has more pixels, than all before: the matcher's own
+    /// memory is then counted twice at the worst, and never for frames of one size.
     pub fn of(&mut self, frame: &Frame<'_>, needed: usize) -> Result<Allowance, MatchError> {
         let (columns, rows) = frame.size();
+        let pixels = columns * rows;
         let (most, allowance) = match self.largest {
-            Some((most, allowance)) if needed <= most => (most, allowance),
-            _ => (needed, Allowance::new(self.asked, self.memory, taken(), columns * rows)),
+            Some((most, allowance)) if needed <= most[0] && pixels <= most[1] => (most, allowance),
+            _ => ([needed, pixels], Allowance::new(self.asked, self.memory, taken(), pixels)),
         };
         allowance.admit(frame, needed)?;
         self.largest = Some((most, allowance));

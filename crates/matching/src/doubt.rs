@@ -17,10 +17,14 @@ const NARROW: usize = 64;
 const MANY: f64 = 0.03;
 /// In a range of fewer disparities the last one is a large share of it, whatever is seen.
 const SHORT: usize = 16;
-/// Cameras give 10 or 12 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
+/// With a larger share of the matched pixels within half a pixel of disparity 0, much is infinitely far.
+const MANY_INFINITE: f64 = 0.2;
+/// Cameras give 10, 12 or 14 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
 /// black. Steps of grey are what matching lives on, so it wants them over all 16 bits. Up to so many bits,
 /// the others are taken as never used.
-const FEW_BITS: u32 = 12;
+const FEW_BITS: u32 = 14;
+/// Of 65536 levels of grey fewer are few: those of a thermal camera may lie far from 0.
+const FEW_LEVELS: u32 = 1 << 12;
 
 /// What there is to doubt about an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +35,9 @@ pub enum Doubt {
     Nearer(f64),
     /// So large a share of the matched pixels lies at the smallest disparity.
     Farther(f64),
+    /// So large a share of the matched pixels lies at disparity 0, infinitely far. What stays in one place of both
+    /// images is matched there too: the blocks of a compressed picture, dust, vignetting.
+    Infinite(f64),
 }
 
 /// Doubts about a matcher's answer in a box, all of which was answered, for disparities of a range. Where
@@ -68,6 +75,10 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     if range.min() != 0 && farthest > MANY {
         doubts.push(Doubt::Farther(farthest));
     }
+    let infinite = of(&|value| value.abs() < 0.5);
+    if infinite > MANY_INFINITE {
+        doubts.push(Doubt::Infinite(infinite));
+    }
     doubts
 }
 
@@ -79,6 +90,18 @@ pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
     }
     let used = left.bits_used().max(right.bits_used());
     (1..=FEW_BITS).contains(&used).then_some(used)
+}
+
+/// Between which of 65536 levels of grey all samples of a pair lie, where these are few though the upper bits are used:
+/// steps of grey are what matching lives on. `None` where they are not few, for samples of 8 bits and where
+/// [`few_bits`] has told already.
+pub fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
+    if left.depth() < u16::BITS || right.depth() < u16::BITS || few_bits(left, right).is_some() {
+        return None;
+    }
+    let [[least, most], [least_right, most_right]] = [left.extremes()?, right.extremes()?];
+    let (least, most) = (least.min(least_right), most.max(most_right));
+    (most > 0 && most - least < FEW_LEVELS).then_some([least, most])
 }
 
 /// The disparities of the matched pixels of a box.
@@ -127,6 +150,8 @@ mod tests {
         assert_eq!(about(100, &at(39.5), (0, 40)), [Doubt::Nearer(0.04)]);
         assert_eq!(about(100, &at(39.4), (0, 40)), []);
         assert_eq!(about(100, &at(0.0), (0, 40)), []);
+        assert_eq!(about(100, &[(40, 10.0), (11, 0.4)], (0, 40)), [Doubt::Infinite(11.0 / 51.0)]);
+        assert_eq!(about(100, &[(40, 10.0), (10, 0.4)], (0, 40)), []);
         assert_eq!(about(100, &at(5.5), (5, 40)), [Doubt::Farther(0.04)]);
         assert_eq!(about(100, &at(-7.0), (-7, 40)), [Doubt::Farther(0.04)]);
         assert_eq!(about(100, &[(49, 10.0), (1, 40.0)], (0, 40)), []);
@@ -137,11 +162,16 @@ mod tests {
     fn few_of_16_bits_are_seen_unless_one_image_uses_more() {
         let deep = |largest| Image::Grey16(Plane::filled(2, 1, largest));
         assert_eq!(few_bits(&deep(0x0fff), &deep(3)), Some(12));
-        assert_eq!(few_bits(&deep(0x1000), &deep(3)), None);
-        assert_eq!(few_bits(&deep(3), &deep(0x1000)), None);
+        assert_eq!(few_bits(&deep(0x3fff), &deep(3)), Some(14));
+        assert_eq!(few_bits(&deep(0x4000), &deep(3)), None);
+        assert_eq!(few_bits(&deep(3), &deep(0x4000)), None);
         assert_eq!(few_bits(&deep(0), &deep(0)), None);
         let shallow = Image::Grey8(Plane::filled(2, 1, 3));
         assert_eq!(few_bits(&deep(3), &shallow), None);
         assert_eq!(few_bits(&shallow, &deep(3)), None);
+        assert_eq!(few_levels(&deep(30_000), &deep(30_255)), Some([30_000, 30_255]));
+        assert_eq!(few_levels(&deep(30_000), &deep(34_096)), None);
+        assert_eq!(few_levels(&deep(3000), &deep(3255)), None, "few bits");
+        assert_eq!(few_levels(&shallow, &deep(30_000)), None);
     }
 }

@@ -1,5 +1,7 @@
 //! [`Matcher`]: built once from [`Options`], then fed frames.
 
+use std::mem::{self, Discriminant};
+
 use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
 
 use crate::allowance::{Admission, Allowance};
@@ -72,8 +74,11 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
     }
 }
 
-/// Matches pairs of images. It keeps its memory between frames: equal sizes allocate nothing after
-/// the first, whatever the box.
+/// What memory is taken for: the size, the box, and how deep and of what colours both images are.
+type Shape = ((usize, usize), BoundingBox, [Discriminant<Image>; 2]);
+
+/// Matches pairs of images. It keeps its memory between frames: equal sizes and boxes allocate nothing after
+/// the first. Where memory is bounded ([`Options::memory`]), a frame of another shape begins with none.
 pub struct Matcher {
     options: Options,
     level: Level,
@@ -82,6 +87,8 @@ pub struct Matcher {
     pipeline: Box<dyn Pipeline>,
     map: DisparityMap,
     profile: Profile,
+    /// Of the last frame that was answered.
+    shape: Option<Shape>,
 }
 
 impl std::fmt::Debug for Matcher {
@@ -115,7 +122,7 @@ impl Matcher {
         let pipeline = presets::pipeline(&options, level);
         let admission = Admission::new(options.memory);
         let (map, profile) = (DisparityMap::default(), Profile::new());
-        Ok(Self { options, level, admission, pool, pipeline, map, profile })
+        Ok(Self { options, level, admission, pool, pipeline, map, profile, shape: None })
     }
 
     /// The options it was built from.
@@ -203,9 +210,16 @@ impl Matcher {
             return Err(MatchError::TooWide { columns, limit: MOST_COLUMNS });
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
-        let Self { admission, pipeline, map, profile, pool, .. } = self;
+        let shape = Some((frame.size(), bounds, [left, right].map(mem::discriminant)));
+        let Self { options, level, admission, pipeline, map, profile, pool, shape: last } = self;
         threads::run_in(pool, || -> Result<(), MatchError> {
             let allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
+            // What a frame takes is reckoned for itself: what others have taken must be given back.
+            if options.memory.is_some() && *last != shape {
+                *map = DisparityMap::default();
+                *pipeline = presets::pipeline(options, *level);
+            }
+            *last = shape;
             profile.begin();
             map.reshape(columns, rows, bounds);
             pipeline.run(&frame, allowance, map, profile);

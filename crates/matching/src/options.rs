@@ -71,7 +71,8 @@ pub enum Holes {
 pub struct Options {
     /// Which stages.
     pub preset: Preset,
-    /// The disparities to search, in pixels.
+    /// The disparities to search, in pixels. Of three or fewer `balanced` and `best` are never sure, since
+    /// there are no others to compare a winner with but its neighbours; of a single one nothing is matched.
     pub range: DisparityRange,
     /// Fill pixels without a match, or leave them.
     pub holes: Holes,
@@ -85,8 +86,7 @@ pub struct Options {
     /// less, on the machine or by a control group (a container, a service) or `ulimit`, no more than that; frames
     /// that need more are refused (Linux).
     ///
-    /// What a frame takes is reckoned for itself: a matcher that is fed frames of several sizes keeps
-    /// what each of them has taken.
+    /// A matcher without a limit that is fed frames of several sizes keeps what each of them has taken.
     pub memory: Option<usize>,
     /// What the preset is to do without, to see what it gives: nothing unless stated.
     pub without: Vec<Ingredient>,

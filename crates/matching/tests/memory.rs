@@ -88,5 +88,21 @@ fn a_limit_is_kept_and_does_not_show_in_the_answer() {
                 }
             }
         }
+        // Of boxes that grow, wander and shrink each has what the last one needs, whatever came before.
+        let images = wide.each_ref().map(grey);
+        let boxes = [(0, 40), (0, 60), (0, 120), (20, 110), (90, 149), (60, 80)]
+            .map(|(y0, y1)| BoundingBox::new(60, y0, 399, y1).unwrap());
+        let limit = boxes.iter().map(|&bounds| needed(preset, &images, Some(bounds))).max();
+        MEMORY.reset_peak_usage();
+        let before = MEMORY.current_usage();
+        let mut matcher = Matcher::new(options(preset, 2, limit)).unwrap();
+        for bounds in boxes {
+            matcher.compute(&images[0], &images[1], Some(bounds)).unwrap();
+        }
+        let peak = MEMORY.peak_usage() - before;
+        assert!(
+            peak <= limit.unwrap(),
+            "{preset}: {peak} of {limit:?} for boxes one after the other"
+        );
     }
 }

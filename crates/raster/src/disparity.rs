@@ -9,7 +9,8 @@ pub enum Reason {
     /// Outside the box that was asked for: no value.
     #[default]
     OutsideBox = 0,
-    /// Found in the right image and confirmed by every check that the matcher makes. `x - d` lies inside it.
+    /// Found in the right image and confirmed by every check that the matcher makes. `x - d` lies inside it. Where
+    /// not all pixels are matched themselves (`balanced`), the nearest one was that is.
     Matched = 1,
     /// Seen by the left camera only (hidden by something nearer in the right image); filled from
     /// the background.

@@ -67,18 +67,23 @@ impl Image {
         }
     }
 
+    /// The smallest and the largest sample; `None` without any.
+    pub fn extremes(&self) -> Option<[u32; 2]> {
+        fn of<T: Copy + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> Option<[u32; 2]> {
+            let samples = || pixels.as_flattened().iter().map(|&sample| sample.into());
+            Some([samples().min()?, samples().max()?])
+        }
+        match self {
+            Self::Grey8(p) => of(p.samples().as_chunks::<1>().0),
+            Self::Grey16(p) => of(p.samples().as_chunks::<1>().0),
+            Self::Rgb8(p) => of(p.samples()),
+            Self::Rgb16(p) => of(p.samples()),
+        }
+    }
+
     /// How many bits the largest sample takes.
     pub fn bits_used(&self) -> u32 {
-        fn largest<T: Copy + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> u32 {
-            pixels.as_flattened().iter().map(|&sample| sample.into()).max().unwrap_or(0)
-        }
-        let largest = match self {
-            Self::Grey8(p) => largest(p.samples().as_chunks::<1>().0),
-            Self::Grey16(p) => largest(p.samples().as_chunks::<1>().0),
-            Self::Rgb8(p) => largest(p.samples()),
-            Self::Rgb16(p) => largest(p.samples()),
-        };
-        u32::BITS - largest.leading_zeros()
+        self.extremes().map_or(0, |[_, largest]| u32::BITS - largest.leading_zeros())
     }
 
     /// 16-bit samples of which only the lower `bits` are used over all 16: 0 stays black, and the largest
@@ -154,6 +159,7 @@ mod tests {
     fn few_bits_are_widened_to_16() {
         let image = Image::Grey16(Plane::new(3, 1, vec![0, 512, 1023]).unwrap());
         assert_eq!((image.depth(), image.bits_used()), (16, 10));
+        assert_eq!(image.extremes(), Some([0, 1023]));
         // 65535 * 512 / 1023 = 32799.5
         let wide = Image::Grey16(Plane::new(3, 1, vec![0, 32800, 65535]).unwrap());
         assert_eq!(image.widened_from(10), wide);

@@ -7,6 +7,7 @@ use super::view::Search;
 use crate::ingredient::Ingredient;
 use crate::kernels::level::at_every_level;
 use crate::profile::Work;
+use crate::refinement::blank;
 use crate::refinement::median_in_steps::{Medians, Steps};
 use crate::refinement::rows_between::{self, All, Matched};
 
@@ -14,6 +15,8 @@ use crate::refinement::rows_between::{self, All, Matched};
 pub(super) const ONE_SURFACE: f32 = 3.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
+/// And of a match at an end of the range: of those nearer than the range a third is matched there.
+const AT_END: f32 = 0.05;
 
 /// Its memory.
 #[derive(Default)]
@@ -24,20 +27,27 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// Spreads the left view, which is there in fixed point with its reasons, and its confidence over all rows. Where
-    /// it was `judged`, the confidence of what the paths did not see is a judge's.
+    /// Spreads the left view, which is there in fixed point with its reasons, and its confidence over all rows. What
+    /// shows nothing is taken for a guess. Where the view was `judged`, the confidence of what the paths did not see is
+    /// a judge's.
     pub fn spread(
         &mut self,
         search: Search<'_>,
         judged: bool,
-        (steps, reasons): (&Plane<u16>, &Plane<Reason>),
+        (steps, reasons): (&Plane<u16>, &mut Plane<Reason>),
         confidence: &mut Plane<f32>,
         map: &mut DisparityMap,
     ) -> Work {
-        let Search { level, work, rows, numbers, .. } = search;
-        let of_rows = confidence.samples_mut().par_chunks_exact_mut(work.columns()).enumerate();
-        of_rows.for_each(|(y, confidence)| trust(level, judged, reasons.row(y), confidence));
-        let matched = Matched { steps, reasons, confidence: &*confidence };
+        let Search { level, left, work, rows, numbers, range, .. } = search;
+        let columns = work.columns();
+        let of_rows = confidence.samples_mut().par_chunks_exact_mut(columns);
+        let of_rows = of_rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();
+        let ends = numbers.ends(range);
+        of_rows.for_each(|(y, (confidence, reasons))| {
+            blank::reject(level, left, (work.x0, work.y0 + rows.apart * y), reasons);
+            trust(level, judged, ends, steps.row(y), reasons, confidence);
+        });
+        let matched = Matched { steps, reasons: &*reasons, confidence: &*confidence };
         let all = All {
             steps: &mut self.steps,
             reasons: &mut map.reasons,
@@ -46,8 +56,8 @@ impl Answer {
             top: work.y0,
         };
         let same = numbers.steps(ONE_SURFACE);
-        // Confidence is read and written for what becomes of it by the reasons.
-        let trusted = Work::bytes((2 * 4 + 1) * work.columns() * rows.count);
+        // Confidence is read and written for what becomes of it by reasons and disparities.
+        let trusted = (Work::bytes(2 * 4 + 1 + 2) + blank::work(left)) * (columns * rows.count);
         trusted + rows_between::spread(level, rows.apart, same, search.left_part(), matched, all)
     }
 
@@ -68,15 +78,18 @@ impl Answer {
 }
 
 at_every_level! {
-    /// Lowers the confidence of what was filled. Where no judge looks, the paths know nothing of what they do
-    /// not see.
-    fn trust(judged: bool, reasons: &[Reason], confidence: &mut [f32]) {
+    /// Lowers the confidence of what was filled, and of what lies at an end of the range, beyond which it may go on.
+    /// Where no judge looks, the paths know nothing of what they do not see.
+    fn trust(judged: bool, ends: [u16; 2], steps: &[u16], reasons: &[Reason], confidence: &mut [f32]) {
         let unseen = if judged { FILLED } else { 0.0 };
-        for (confidence, &reason) in confidence.iter_mut().zip(reasons) {
+        let [farthest, nearest] = ends;
+        for ((confidence, &reason), &steps) in confidence.iter_mut().zip(reasons).zip(steps) {
             let hidden =
                 (reason == Reason::OccludedFilled) | (reason == Reason::OutsideRightFilled);
             let filled = if hidden { unseen } else { FILLED };
-            *confidence *= if reason == Reason::Matched { 1.0 } else { filled };
+            let at_end = (steps < farthest) | (steps >= nearest);
+            let matched = if at_end { AT_END } else { 1.0 };
+            *confidence *= if reason == Reason::Matched { matched } else { filled };
         }
     }
 }
@@ -84,22 +97,44 @@ at_every_level! {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cost::SearchSpace;
     use crate::kernels::level::Level;
+    use crate::selection::fixed_point::FixedPoint;
+    use raster::DisparityRange;
 
     #[test]
-    fn what_was_filled_is_trusted_less_at_every_level() {
+    fn what_was_filled_or_lies_at_an_end_is_trusted_less_at_every_level() {
         use Reason::{Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled};
+        let range = |min| DisparityRange::new(min, min + 10).unwrap();
+        let numbers = |min| {
+            let bounds = BoundingBox::whole(100, 1);
+            FixedPoint::new(&SearchSpace::new(100, bounds, range(min)))
+        };
         let reasons = [Matched, OccludedFilled, MismatchedFilled, OutsideRightFilled].repeat(9);
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            let confidence = |judged| {
-                let mut confidence = vec![0.8; reasons.len()];
-                trust(level, judged, &reasons, &mut confidence);
+            // So many pixels from the smallest disparity on.
+            let confidence = |judged, min, pixels: f32| {
+                let (mut confidence, numbers) = (vec![0.8; reasons.len()], numbers(min));
+                let steps = vec![numbers.steps(pixels); reasons.len()];
+                trust(level, judged, numbers.ends(range(min)), &steps, &reasons, &mut confidence);
                 confidence
             };
-            let filled = 0.8 * FILLED;
-            assert_eq!(confidence(true), [0.8, filled, filled, filled].repeat(9));
-            assert_eq!(confidence(false), [0.8, 0.0, filled, 0.0].repeat(9));
+            let (filled, end) = (0.8 * FILLED, 0.8 * AT_END);
+            assert_eq!(confidence(true, 0, 4.0), [0.8, filled, filled, filled].repeat(9));
+            assert_eq!(confidence(false, 0, 4.0), [0.8, 0.0, filled, 0.0].repeat(9));
+            for (min, pixels, expected) in [
+                (0, 9.4, 0.8),
+                (0, 9.5, end),
+                (0, 10.4, end),
+                (0, 0.0, 0.8),
+                (3, 0.0, end),
+                (3, 0.5, end),
+                (-3, 0.6, 0.8),
+                (-3, 0.4, end),
+            ] {
+                assert_eq!(confidence(true, min, pixels)[0], expected, "{pixels} from {min} on");
+            }
         }
     }
 }

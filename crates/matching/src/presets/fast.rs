@@ -221,7 +221,7 @@ impl Pipeline for Fast {
             + size_of::<u16>() * columns * rows
             + Groups::bytes(columns, rows)
             + rayon::current_num_threads() * SlidingWindow::bytes(&space)
-            + memory::rows(width)
+            + memory::rows(width, rows)
     }
 
     fn run(

@@ -48,9 +48,9 @@ fn upper_bits(image: &Image) -> usize {
     usize::from(image.depth() > u8::BITS)
 }
 
-/// What the rows of images of `width` columns take while they are worked on.
-pub(super) fn rows(width: usize) -> usize {
-    ROW * width * rayon::current_num_threads() + ODDS_AND_ENDS
+/// What `count` rows of images of `width` columns take while they are worked on, each by one thread.
+pub(super) fn rows(width: usize, count: usize) -> usize {
+    ROW * width * rayon::current_num_threads().min(count) + ODDS_AND_ENDS
 }
 
 /// What a frame takes with `balanced` and `best`.
@@ -129,7 +129,7 @@ impl Needs {
         let spread = part + between + 2 * work.columns() * work.rows();
         let stages = images + flat + features + descriptors + left + prior + refined + spread;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
-        Self { rest: ANSWER * all + stages + rows(width + space.count), volume }
+        Self { rest: ANSWER * all + stages + rows(width + space.count, height), volume }
     }
 
     /// The least that it takes.

@@ -358,13 +358,13 @@ impl SemiGlobalMatching {
             let spread = self.between.spread(level, grey, ONE_SURFACE, matched, values);
             profile.end("columns between", spread);
             let columns_between::Sources { reasons, confidence } = &mut self.between;
-            (values, &*reasons, confidence)
+            (values, reasons, confidence)
         } else {
-            (filled, &left.reasons, sure)
+            (filled, &mut left.reasons, sure)
         };
         if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
             let (values, first) = (&mut *values, left.first);
-            let shifted = least_squares::Map { values, reasons, first, rows, range };
+            let shifted = least_squares::Map { values, reasons: &*reasons, first, rows, range };
             profile.end("least squares", self.least_squares.refine(level, grey, shifted));
         }
         let stepped = in_steps(level, search.numbers, values, steps);
@@ -452,6 +452,7 @@ impl Pipeline for SemiGlobalMatching {
         let search = Search {
             ingredients,
             level,
+            left: views[0],
             grey,
             work,
             rows,

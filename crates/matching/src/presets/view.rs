@@ -9,6 +9,7 @@ use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
 use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::Penalties;
+use crate::prepare::grey::GreyView;
 use crate::profile::Work;
 use crate::refinement::groups::Groups;
 use crate::selection::cross_check::{ViewMap, cross_check};
@@ -24,6 +25,8 @@ const GROUP_STEP: f32 = 1.0;
 pub(super) struct Search<'a> {
     pub ingredients: Ingredients,
     pub level: Level,
+    /// The left image as it is matched, in all its bits.
+    pub left: GreyView<'a>,
     /// The upper 8 bits of both images.
     pub grey: [raster::View<'a, u8>; 2],
     /// The part of the left image that is matched.

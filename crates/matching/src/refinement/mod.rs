@@ -1,5 +1,6 @@
 //! Outliers out, occlusions filled, edges sharpened, confidence.
 
+pub(crate) mod blank;
 pub(crate) mod choice;
 pub(crate) mod columns_between;
 pub(crate) mod groups;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::bail;
-use matching::few_bits;
+use matching::{few_bits, few_levels};
 use raster::Image;
 
 use crate::arguments;
@@ -31,9 +31,17 @@ pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 
     Ok(files.map(|(_, image)| image.widened_from(bits)))
 }
 
-/// What to tell of images that leave many of 16 bits unused.
+/// What to tell of images that leave much of 16 bits unused.
 pub fn unused([(left, of_left), (right, of_right)]: [(&Path, &Image); 2]) -> Option<String> {
-    few_bits(of_left, of_right).map(|used| {
+    let levels = few_levels(of_left, of_right).map(|[least, most]| {
+        format!(
+            "{} and {}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; spread \
+             them over 0 to 65535 before",
+            left.display(),
+            right.display(),
+        )
+    });
+    let bits = few_bits(of_left, of_right).map(|used| {
         format!(
             "{} and {}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
              gives {used} bits, say --bits {used}",
@@ -41,5 +49,6 @@ pub fn unused([(left, of_left), (right, of_right)]: [(&Path, &Image); 2]) -> Opt
             right.display(),
             u16::BITS - used,
         )
-    })
+    });
+    bits.or(levels)
 }

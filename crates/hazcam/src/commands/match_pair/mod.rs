@@ -21,8 +21,8 @@ use sidecar::{Inputs, Sidecar};
 /// Match two rectified images: a disparity for every pixel of the left one
 ///
 /// The images must be rectified: a point of the scene lies in the same row of both. What rectification
-/// left of that, up to about three and a half rows, balanced and best find and mend. A disparity d says that left
-/// (x, y) shows what right (x - d, y) shows; it is in pixels.
+/// left of that, up to about four rows where all is off alike, balanced and best find and mend. A disparity d says
+/// that left (x, y) shows what right (x - d, y) shows; it is in pixels.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The format of OUT follows its extension:
@@ -225,7 +225,7 @@ fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
             args.output.display(),
             args.left.display(),
         )),
-        Doubt::Nearer(share) => ui.note(format_args!(
+        Doubt::Nearer(share) => ui.warn(format_args!(
             "{:.1} % of the matched pixels lie at the largest disparity, {max}: there may be \
              nearer things that are missed; raise --max-disparity",
             100.0 * share,
@@ -233,6 +233,11 @@ fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
         Doubt::Farther(share) => ui.note(format_args!(
             "{:.1} % of the matched pixels lie at the smallest disparity, {min}: there may be \
              farther things that are missed; lower --min-disparity",
+            100.0 * share,
+        )),
+        Doubt::Infinite(share) => ui.note(format_args!(
+            "{:.1} % of the matched pixels lie at disparity 0, infinitely far. If nothing is, the two show what \
+             belongs to the cameras: blocks of compressed pictures, dust on lenses, vignetting",
             100.0 * share,
         )),
     }
