@@ -55,6 +55,12 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Whether a file lies, or would lie, in a folder or below it.
+pub fn lies_in(file: &Path, folder: &Path) -> bool {
+    let places = destination(file).ok().zip(folder.canonicalize().ok());
+    folder.is_dir() && places.is_some_and(|(file, folder)| file.starts_with(folder))
+}
+
 /// Writes all files, or leaves everything as it was.
 pub fn write_all_or_none(outputs: &[Output<'_>]) -> Result<(), FormatError> {
     formats::write_all_or_none(outputs.iter().map(|output| (&*output.path, &*output.write)))

@@ -148,6 +148,6 @@ def for_syntax(error):
         return "write whole numbers without leading zeros"
     if "unterminated" in message or "never closed" in message or "EOF" in message:
         return "a bracket or quotation mark is opened and never closed, perhaps lines above"
-    if "non-UTF-8" in message or "utf-8" in message:
+    if "non-UTF-8" in message or "utf-8" in message or "null bytes" in message:
         return "save the file as UTF-8"
     return None

@@ -39,6 +39,10 @@ def _look(path, name):
     """(line, text, fatal) for what is wrong in one module."""
     with open(path, "rb") as file:
         source = file.read()
+    if source.lstrip().startswith(b"{") and b'"cells"' in source:
+        text = "it is a notebook: export it as Python (jupyter nbconvert --to script, or File > Save as .py)"
+        yield None, text, True
+        return
     try:
         tree = ast.parse(source, path)
         compile(source, path, "exec", dont_inherit=True)

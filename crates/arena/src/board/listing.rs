@@ -18,6 +18,9 @@ pub fn table(standings: &[Standing]) -> Table {
         "added",
     ];
     let mut table = Table { columns: columns.map(Column::new).into(), rows: Vec::new() };
+    // Quarters and the like need a second digit.
+    let is_whole = |points: f64| (10.0 * points).fract().abs() < 1e-6;
+    let digits = if standings.iter().all(|of| is_whole(of.entry.report.points)) { 1 } else { 2 };
     for standing in standings {
         let entry = &standing.entry;
         let scores = entry.holdout.scores.as_ref();
@@ -32,9 +35,9 @@ pub fn table(standings: &[Standing]) -> Table {
             Cell::number(scores.map(|scores| scores.e_rms), 2),
             Cell::number(scores.map(|scores| scores.p_bad), 4),
             Cell::number(entry.holdout.usage.cpu_seconds, 2),
-            Cell::number(Some(entry.report.points), 1),
+            Cell::number(Some(entry.report.points), digits),
             Cell::number(Some(standing.bonus), 0),
-            Cell::number(Some(standing.total), 1),
+            Cell::number(Some(standing.total), digits),
             Cell::text(&entry.added),
         ]);
     }

@@ -70,8 +70,22 @@ pub(super) fn read(path: &Path) -> Result<Vec<Case>, DatasetError> {
 
 fn case(root: &Path, entry: Entry) -> Result<Case, String> {
     let plain = |part: &str| !matches!(part, "" | "." | "..");
-    if !entry.id.split('/').all(plain) || entry.id.contains(['\\', '\0']) {
-        return Err("an id has the form FAMILY/SCENE, without empty parts, `.` or `..`".into());
+    if !entry.id.split('/').all(plain) || entry.id.contains(|c: char| c == '\\' || c.is_control()) {
+        return Err(
+            "an id has the form FAMILY/SCENE, without empty parts, `.`, `..` or control characters"
+                .into(),
+        );
+    }
+    let of_truth = [
+        ("truth_encoding", entry.truth_encoding.is_some()),
+        ("truth_noc", entry.truth_noc.is_some()),
+        ("truth_right", entry.truth_right.is_some()),
+        ("mask_nocc", entry.mask_nocc.is_some()),
+    ];
+    if let Some((field, _)) =
+        of_truth.iter().find(|(_, is_there)| *is_there && entry.truth.is_none())
+    {
+        return Err(format!("{field} is there, but no truth: name that too, or leave {field} out"));
     }
     let encoding = match &entry.truth_encoding {
         Some(text) => text.parse().map_err(|error: formats::FormatError| error.to_string())?,

@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use formats::FormatError;
-use raster::BoundsError;
+use raster::{BoundingBox, BoundsError};
 
 /// A data set, or one scene of it, cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -76,6 +76,17 @@ pub enum DatasetError {
         left_columns: usize,
         /// Rows of the left image.
         left_rows: usize,
+    },
+    /// No pixel that counts has a truth.
+    #[error(
+        "{} has no known disparity in the box {bounds}: is it the truth of this scene, and its encoding right?",
+        path.display()
+    )]
+    NothingKnown {
+        /// The truth.
+        path: PathBuf,
+        /// The box to answer and score.
+        bounds: BoundingBox,
     },
     /// The images of a pair are of different kinds.
     #[error("{} is {kind}, but the left image is {left_kind}: a pair is of one kind", path.display())]

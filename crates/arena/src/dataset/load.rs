@@ -49,6 +49,12 @@ pub(super) fn files(
             BoundingBox::whole(size.0, size.1)
         }
     };
+    if let (Some(file), Some(truth)) = (&files.truth, &truth) {
+        let mut rows = (bounds.y0..=bounds.y1).map(|y| &truth.row(y)[bounds.x0..=bounds.x1]);
+        if rows.all(|row| row.iter().all(|value| !value.is_finite())) {
+            return Err(DatasetError::NothingKnown { path: file.path.clone(), bounds });
+        }
+    }
     let range = match range {
         Some(range) => range,
         None => assumed_range(files, truth.as_ref(), size.0, &mut protocol)?,

@@ -165,7 +165,7 @@ impl Engines {
     }
 
     /// Adds every `.toml` file of a folder, by name. One that has the name of a known engine takes
-    /// its place.
+    /// its place; two of one name are an error.
     pub fn add_folder(&mut self, folder: &Path) -> Result<(), DefinitionError> {
         let failed = |source| DefinitionError::Read { path: folder.to_owned(), source };
         let mut files = Vec::new();
@@ -176,8 +176,19 @@ impl Engines {
             }
         }
         files.sort();
+        let mut added: Vec<(PathBuf, String)> = Vec::new();
         for file in files {
-            self.add(Definition::read(&file)?);
+            let definition = Definition::read(&file)?;
+            if let Some((other, name)) = added.iter().find(|(_, name)| *name == definition.name) {
+                let problem =
+                    format!("{} has the name `{name}` too: give each its own", other.display());
+                return Err(DefinitionError::Invalid {
+                    origin: file.display().to_string(),
+                    problem,
+                });
+            }
+            added.push((file, definition.name.clone()));
+            self.add(definition);
         }
         Ok(())
     }

@@ -35,7 +35,12 @@ impl Programs {
     /// The Python that [`Programs::find`] finds.
     pub fn find_python() -> Option<PathBuf> {
         let named = env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty()).map(PathBuf::from);
-        named.or_else(|| ["python3", "python"].into_iter().find_map(on_path))
+        // Engines start in other folders; a name alone is looked for on PATH.
+        let here = |path: PathBuf| match path.components().count() {
+            1 => path,
+            _ => std::path::absolute(&path).unwrap_or(path),
+        };
+        named.map(here).or_else(|| ["python3", "python"].into_iter().find_map(on_path))
     }
 
     /// What is said where there is none.

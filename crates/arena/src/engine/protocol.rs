@@ -113,7 +113,7 @@ impl Job {
 pub enum Line {
     /// A message.
     Message(FromEngine),
-    /// A JSON object with the key `hazcam` that is no message of this protocol; the text says why.
+    /// What looks like a JSON object with the key `hazcam` and is no message of this protocol; the text says why.
     Broken(String),
     /// Anything else: the engine's own talk.
     Chatter,
@@ -130,6 +130,10 @@ pub fn parse_line(line: &str) -> Line {
             Ok(message) => Line::Message(message),
             Err(error) => Line::Broken(error.to_string()),
         },
+        // Python's json writes NaN and Infinity, which JSON does not know.
+        Err(error) if text.contains("\"hazcam\"") => {
+            Line::Broken(format!("it is no JSON: {error}"))
+        }
         _ => Line::Chatter,
     }
 }
@@ -167,6 +171,8 @@ mod tests {
             r#"{"hazcam":"doen","job":7}"#,
             r#"{"hazcam":"done"}"#,
             r#"{"hazcam":"done","job":-1}"#,
+            r#"{"hazcam":"done","job":1,"seconds":NaN}"#,
+            r#"{"hazcam":"done","job":1"#,
         ] {
             assert!(matches!(parse_line(broken), Line::Broken(_)), "{broken}");
         }

@@ -44,7 +44,6 @@ impl Session {
     /// arguments and environment are the caller's. On failure the status says why ([`Status::Absent`]
     /// or [`Status::NotReady`]) and nothing is left running.
     pub fn start(mut command: Command, scratch: &Path, limits: Limits) -> Result<Self, Status> {
-        let program = command.get_program().to_string_lossy().into_owned();
         command
             .current_dir(scratch)
             .stdin(Stdio::piped())
@@ -85,14 +84,14 @@ impl Session {
             }
             FromEngine::Ready(ready) => Err(Status::NotReady {
                 message: format!(
-                    "{program} speaks version {} of the engine protocol, but this arena speaks {}",
+                    "it speaks version {} of the engine protocol, but this arena speaks {}",
                     ready.protocol,
                     protocol::VERSION
                 ),
             }),
             FromEngine::Absent { message } => Err(Status::Absent { message }),
             FromEngine::Done { .. } | FromEngine::Failed { .. } => Err(Status::NotReady {
-                message: format!("{program} answered a job before it said that it is ready"),
+                message: "it answered a job before it said that it is ready".into(),
             }),
         }
     }

@@ -185,6 +185,7 @@ impl Confinement {
                 file_bytes: self.allowance.disk_bytes,
                 ..sandbox::Limits::default()
             },
+            token: sandbox::token().into(),
             pid_file: place.pid_file(),
         }
     }

@@ -99,13 +99,22 @@ impl TestResult {
         let scores = self.scores.as_ref()?;
         let mut parts = Vec::new();
         if scores.e_rms > self.max_e_rms {
-            parts.push(format!("E_RMS {:.2} px is above {}", scores.e_rms, self.max_e_rms));
+            let e_rms = above(scores.e_rms, self.max_e_rms, 2);
+            parts.push(format!("E_RMS {e_rms} px is above {}", self.max_e_rms));
         }
         if scores.p_bad > self.max_p_bad {
-            parts.push(format!("p_bad {:.4} is above {}", scores.p_bad, self.max_p_bad));
+            let p_bad = above(scores.p_bad, self.max_p_bad, 4);
+            parts.push(format!("p_bad {p_bad} is above {}", self.max_p_bad));
         }
         (!parts.is_empty()).then(|| parts.join(", "))
     }
+}
+
+/// A number that is above a limit, with as many digits at the least, and so many that one sees it.
+fn above(number: f64, limit: f64, digits: usize) -> String {
+    let shown = |digits: usize| format!("{number:.digits$}");
+    let is_seen = |text: &String| text.parse().is_ok_and(|shown: f64| shown > limit);
+    (digits..20).map(shown).find(is_seen).unwrap_or_else(|| number.to_string())
 }
 
 impl Report {

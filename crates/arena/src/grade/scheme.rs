@@ -200,7 +200,7 @@ impl Test {
     fn check(&self) -> Result<(), String> {
         let positive = |field, value: f64| match value.is_finite() && value > 0.0 {
             true => Ok(()),
-            false => Err(format!("{field} is {value}, but it must be greater than 0")),
+            false => Err(format!("{field} is {value}, but it must be a number greater than 0")),
         };
         positive("max_e_rms", self.max_e_rms)?;
         positive("cpu_seconds", self.cpu_seconds)?;

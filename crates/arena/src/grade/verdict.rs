@@ -62,13 +62,13 @@ fn from_runner(message: &str) -> Failure {
 }
 
 fn not_ready(message: &str, start_limit: Duration) -> Failure {
-    let (what, grader_failed) = match message.strip_prefix(BEFORE_READY) {
-        Some(what) => (what, is_sandbox_failure(what)),
+    let (what, graders_fault) = match message.strip_prefix(BEFORE_READY) {
+        Some(what) => (what, sandbox_failure(what)),
         // It has said nothing, so none of these words are its own.
-        None => (message, message.contains(NOT_STARTED)),
+        None => (message, message.contains(NOT_STARTED).then(|| message.to_owned())),
     };
-    if grader_failed {
-        return Failure::new(Outcome::Xx, what);
+    if let Some(fault) = graders_fault {
+        return Failure::new(Outcome::Xx, fault);
     }
     if what.starts_with(PAST_LIMIT) {
         let seconds = start_limit.as_secs_f64();
@@ -84,11 +84,12 @@ fn not_ready(message: &str, start_limit: Duration) -> Failure {
     Failure::new(outcome, format!("while it was imported, {message}"))
 }
 
-/// Whether the process ended as the sandbox's helper does when it cannot become the program.
-fn is_sandbox_failure(what: &str) -> bool {
-    what.strip_prefix(&exited_with(sandbox::EXIT_STATUS.into()))
-        .and_then(|rest| rest.strip_prefix(LAST_WORDS))
-        .is_some_and(|words| words.starts_with(sandbox::FAILURE_PREFIX))
+/// What the sandbox's helper says, where the process ended as that does when it cannot become the program.
+fn sandbox_failure(what: &str) -> Option<String> {
+    let words = what.strip_prefix(&exited_with(sandbox::EXIT_STATUS.into()))?;
+    let error =
+        words.strip_prefix(LAST_WORDS)?.strip_prefix(&sandbox::failure(sandbox::token(), ""))?;
+    Some(format!("the sandbox failed: {error}"))
 }
 
 fn crashed(message: &str) -> Failure {
@@ -145,9 +146,10 @@ mod tests {
             ),
             (
                 Status::NotReady {
-                    message: message(
+                    message: format!(
                         "before it was ready, it exited with status 125 without an answer; its \
-                         last words: sandbox failed: x",
+                         last words: {}",
+                        sandbox::failure(sandbox::token(), "x")
                     ),
                 },
                 Outcome::Xx,
@@ -166,6 +168,8 @@ mod tests {
     fn last_words_excuse_nobody() {
         for (status, words) in [
             (1, "sandbox failed: x"),
+            (125, "sandbox failed: x"),
+            (125, "sandbox failed 0000000000000000: x"),
             (125, "no sandbox failed: x"),
             (125, "x could not be started: y"),
             (0, "it had used 60.1 s of wall time when it was killed; the limit is 60 s"),

@@ -69,6 +69,11 @@ impl FromStr for Format {
     }
 }
 
+/// On one line, without what would move the cursor or change colours: it comes from whoever is compared or graded.
+pub fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 /// Every name that occurs, once each, in order.
 pub(crate) fn in_order<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut seen = Vec::new();

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use super::printable;
+
 /// One column.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
@@ -57,7 +59,7 @@ impl Cell {
     /// For people: with the digits that mean something.
     pub(super) fn shown(&self) -> String {
         match self {
-            Self::Text(text) => text.clone(),
+            Self::Text(text) => printable(text),
             Self::Number(value, digits) => format!("{value:.digits$}"),
             Self::Empty => "-".into(),
         }

@@ -1,15 +1,30 @@
 //! The helper's side: restricts its own process and becomes the program.
 
 use std::ffi::OsString;
+use std::fmt::Display;
+use std::hash::{BuildHasher, RandomState};
 use std::io;
+use std::sync::OnceLock;
 
 use super::Policy;
 
 /// The exit status of a helper that could not confine or start the program.
 pub const EXIT_STATUS: u8 = 125;
 
-/// What its message on standard error begins with.
-pub const FAILURE_PREFIX: &str = "sandbox failed: ";
+/// What its message on standard error says, with a [`Policy`]'s token.
+pub fn failure(token: &str, error: impl Display) -> String {
+    format!("sandbox failed {token}: {error}")
+}
+
+/// The token of this process.
+pub fn token() -> &'static str {
+    static TOKEN: OnceLock<String> = OnceLock::new();
+    // Where the system has no chance to give, nobody is there who guesses the hasher's.
+    TOKEN.get_or_init(|| {
+        let number = getrandom::u64().unwrap_or_else(|_| RandomState::new().hash_one(()));
+        format!("{number:016x}")
+    })
+}
 
 /// Restricts this process to `policy` and replaces it by `program`. Comes back only on failure;
 /// some of the restrictions may be in force then, so the caller should end.

@@ -37,7 +37,7 @@ mod filesystem;
 mod syscalls;
 
 pub use command::confine;
-pub use enter::{EXIT_STATUS, FAILURE_PREFIX, enter};
+pub use enter::{EXIT_STATUS, enter, failure, token};
 pub use limits::Limits;
 pub use policy::{Policy, SYSTEM_PATHS};
 pub use support::missing_parts;

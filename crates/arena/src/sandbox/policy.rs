@@ -33,6 +33,8 @@ pub struct Policy {
     pub writable: Vec<PathBuf>,
     /// What the kernel counts.
     pub limits: Limits,
+    /// Stands in what the helper says of its failure. The program has never seen it, and cannot say the same.
+    pub token: String,
     /// Where its process number is written before anything is restricted, for [`super::Watch`].
     pub pid_file: PathBuf,
 }
@@ -67,6 +69,7 @@ mod tests {
             readable: vec![folder.path().to_owned()],
             writable: Vec::new(),
             limits: Limits::default(),
+            token: "a".into(),
             pid_file: "/nonexistent/pid".into(),
         };
         assert_eq!(policy.within_reach(&below.join("a.png")), Some(folder.path()));

@@ -212,10 +212,17 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
     python_files.truncate(6);
     let hint = match python_files.is_empty() {
         true => ", and no Python file at all".to_owned(),
+        false if python_files.iter().any(|name| name.ends_with(NOTEBOOK)) => {
+            format!("; it has {}: {EXPORT} under these names", python_files.join(", "))
+        }
         false => format!("; it has {}: rename them", python_files.join(", ")),
     };
     Err(SubmissionError::NoModules { path: path.to_owned(), hint })
 }
+
+/// What a notebook's name ends with, and what is to be done with it.
+const NOTEBOOK: &str = ".ipynb";
+const EXPORT: &str = "a notebook is no Python file, export it (`jupyter nbconvert --to script`, or File > Save as .py)";
 
 /// A finding for each of the course's files that is not there.
 pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
@@ -233,6 +240,7 @@ pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
         let stem = file.trim_end_matches(".py");
         let alike = names.iter().find(|name| name.to_lowercase().starts_with(stem));
         let instead = match alike {
+            Some(name) if name.ends_with(NOTEBOOK) => format!("; there is `{name}`: {EXPORT}"),
             Some(name) => format!("; there is `{name}`: rename it"),
             None if file == "secret_id.py" => {
                 "; it defines secret_id(), which returns the name for the leaderboard, 4 to 32 \

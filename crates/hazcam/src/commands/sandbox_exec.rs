@@ -27,6 +27,6 @@ pub fn run(args: Args, _ui: &Ui) -> anyhow::Result<ExitCode> {
     let policy: Policy = serde_json::from_str(&args.policy).context("the policy is malformed")?;
     let error = sandbox::enter(&policy, &args.program, &args.arguments);
     // The status says it too, should nobody read this.
-    let _ = writeln!(io::stderr(), "{}{error}", sandbox::FAILURE_PREFIX);
+    let _ = writeln!(io::stderr(), "{}", sandbox::failure(&policy.token, error));
     Ok(ExitCode::from(sandbox::EXIT_STATUS))
 }

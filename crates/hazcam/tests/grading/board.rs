@@ -85,7 +85,7 @@ fn entrants_are_ranked_renamed_and_removed() {
     course.done(&with(&["--matcher", "best", "--baseline"]));
     let text =
         course.done(&with(&["--matcher", "fast:best", "--secret-id", "Zwei", "--owner", "him"]));
-    assert!(text.contains("Entered `Zwei`: place 1 of 3"), "{text}");
+    assert!(text.contains("Entered `Zwei`: place 1 of 2"), "{text}");
     let ranking = course.ranking();
     let row = |at: usize| {
         let each = &ranking[at];
@@ -122,6 +122,26 @@ fn entrants_are_ranked_renamed_and_removed() {
         "{table}"
     );
     assert_eq!(course.ranking().len(), 2);
+}
+
+#[test]
+fn what_nobody_may_see_is_kept_from_submissions() {
+    let Some(course) = Course::new() else { return };
+    let folder = course.0.submission("mine", HONEST);
+    let folder = folder.to_str().unwrap();
+    for board in ["board.sqlite", "below/../board.sqlite"] {
+        let board = format!("{folder}/{board}");
+        std::fs::create_dir_all(format!("{folder}/below")).unwrap();
+        let (status, stdout, stderr) = course.run(&with(&[folder, "--board", &board]));
+        assert_eq!((status, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(stderr.contains("board.sqlite lies in the submission"), "{stderr}");
+        assert!(!std::path::Path::new(&board).exists());
+    }
+    fs::copy(course.0.path("holdout.toml"), format!("{folder}/holdout.toml")).unwrap();
+    let holdout = format!("{folder}/holdout.toml");
+    let (_, _, stderr) =
+        course.run(&["add", "--scheme", "small.toml", "--holdout", &holdout, folder]);
+    assert!(stderr.contains("holdout.toml lies in the submission"), "{stderr}");
 }
 
 #[test]

@@ -72,9 +72,13 @@ fn last_words_excuse_nobody() {
         "python3 could not be started: no such file",
         "it had used 60.1 s of wall time when it was killed; the limit is 60 s",
     ] {
-        let source = format!("import os\nos.write(2, b'{words}')\nos._exit(3)\n{HONEST}");
-        let report = classroom.grade_source(&source);
-        report.expect("RE", &["while it was imported, it exited with status 3", words]);
+        for status in [3, 125] {
+            let source =
+                format!("import os\nos.write(2, b'{words}')\nos._exit({status})\n{HONEST}");
+            let report = classroom.grade_source(&source);
+            let ended = format!("while it was imported, it exited with status {status}");
+            report.expect("RE", &[&ended, words]);
+        }
     }
     classroom.expect_the_next_to_pass();
 }

@@ -135,8 +135,21 @@ fn mistakes_on_the_command_line_are_named() {
     std::fs::write(classroom.path("handin.tar"), "hand-in").unwrap();
     std::fs::create_dir(classroom.path("unpacked")).unwrap();
     std::fs::write(classroom.path("bad.toml"), "name = 'x'\n[[test]]\nname = 'a'\n").unwrap();
+    std::fs::create_dir(classroom.path("engines")).unwrap();
+    let engine = "name = 'mine'\nkind = 'protocol'\ncommand = ['/bin/true']\n";
+    for name in ["one", "other"] {
+        std::fs::write(classroom.path(&format!("engines/{name}.toml")), engine).unwrap();
+    }
     for (arguments, words) in [
-        (&[][..], "name a submission, or engines with --matcher"),
+        (
+            &["--matcher", "fast", "--engines", "engines"][..],
+            "other.toml defines no engine: engines/one.toml has",
+        ),
+        (
+            &["--matcher", "fast", "--engines", "engines", "-o", "engines/one.toml"],
+            "engines/one.toml would replace an input",
+        ),
+        (&[], "name a submission, or engines with --matcher"),
         (&["a", "--matcher", "fast"], "cannot be used with"),
         (&["nothing-here"], "there is no nothing-here: give a folder or an archive"),
         (&["--matcher", "fastest"], "there is no engine `fastest`"),

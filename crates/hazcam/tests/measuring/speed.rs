@@ -30,7 +30,9 @@ fn without_python_one_line_says_who_is_left_out() {
     let mut command = hazcam(folder.path(), &words(&arguments));
     let output = command.env("PATH", "nowhere").env_remove("HAZCAM_PYTHON").output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{stderr}");
+    // Whoever is called by name and has nothing to say is no success.
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("opencv-hh was asked for and has given no answer"), "{stderr}");
     let left_out: Vec<&str> = stderr.lines().filter(|line| line.contains("left out")).collect();
     assert_eq!(left_out.len(), 1, "{stderr}");
     assert!(left_out[0].contains("opencv-bm-9x9, opencv-hh left out: "), "{stderr}");
@@ -76,7 +78,8 @@ fn an_engine_that_does_not_tell_its_time_is_told_how() {
     let engine = format!("name = 'mute'\ncommand = ['/bin/sh', '-c', '''{script}''']");
     fs::write(folder.path().join("mute.toml"), engine).unwrap();
     let arguments = format!("{SMALL} --engines . --engine mute");
-    let (stdout, _) = run(folder.path(), &words(&arguments), 0);
+    let (stdout, stderr) = run(folder.path(), &words(&arguments), 2);
+    assert!(stderr.contains("mute was asked for and has given no answer on any size"), "{stderr}");
     let told = "cones-sized, mute: bad-result: its answer does not say how long matching took";
     assert!(stdout.contains(told), "{stdout}");
 }

@@ -28,10 +28,10 @@ pub(crate) fn reject(
     }
 }
 
-/// What [`reject`] does to a pixel: a window's column is read, its least and its most are found of rows and columns.
+/// What [`reject`] does to a pixel at the least: its row is read, of which the lowest and the highest are found.
 pub(crate) fn work(image: GreyView<'_>) -> Work {
     let sample = image.bytes(1) / image.size().0;
-    Work::bytes(ACROSS * sample + 2 * size_of::<Reason>()) + Work::operations(4 * ACROSS * sample)
+    Work::bytes(sample + 2 * size_of::<Reason>()) + Work::operations(2 * ACROSS * sample)
 }
 
 /// The rows of a window; of those beyond the image the nearest one.
@@ -58,30 +58,46 @@ fn reject_row<T: Copy + Ord>(
     first: usize,
     reasons: &mut [Reason],
 ) {
-    const SEEN: usize = BLOCK + 2 * REACH;
-    let width = rows[0].len();
     for (start, reasons) in (first..).step_by(BLOCK).zip(reasons.chunks_mut(BLOCK)) {
-        let (from, to) = (start.saturating_sub(REACH), (start + BLOCK + REACH).min(width));
-        let (mut least, mut most) = ([*all.end(); SEEN], [*all.start(); SEEN]);
-        let inside = from + REACH - start..to + REACH - start;
-        for row in rows {
-            let bounds = least[inside.clone()].iter_mut().zip(&mut most[inside.clone()]);
-            for ((least, most), &sample) in bounds.zip(&row[from..to]) {
-                (*least, *most) = (sample.min(*least), sample.max(*most));
-            }
+        // Hardly a row of an image with texture has so many alike: the others need not be looked at then.
+        let [lowest, highest] = extremes(&rows[REACH..][..1], &all, start);
+        let alike = lowest.iter().zip(&highest).fold(false, |any, (l, h)| any | (l == h));
+        if !alike {
+            continue;
         }
-        let (mut lowest, mut highest) = ([*all.end(); BLOCK], [*all.start(); BLOCK]);
-        for shift in 0..ACROSS {
-            let (least, most) = (&least[shift..][..BLOCK], &most[shift..][..BLOCK]);
-            for i in 0..BLOCK {
-                (lowest[i], highest[i]) = (lowest[i].min(least[i]), highest[i].max(most[i]));
-            }
-        }
+        let [lowest, highest] = extremes(rows, &all, start);
         for ((reason, lowest), highest) in reasons.iter_mut().zip(&lowest).zip(&highest) {
             let guessed = (lowest == highest) & (*reason == Reason::Matched);
             *reason = if guessed { Reason::MismatchedFilled } else { *reason };
         }
     }
+}
+
+/// The lowest and the highest sample of the windows around the columns of a block, in some rows.
+#[inline(always)]
+fn extremes<T: Copy + Ord>(
+    rows: &[&[T]],
+    all: &std::ops::RangeInclusive<T>,
+    start: usize,
+) -> [[T; BLOCK]; 2] {
+    const SEEN: usize = BLOCK + 2 * REACH;
+    let (from, to) = (start.saturating_sub(REACH), (start + BLOCK + REACH).min(rows[0].len()));
+    let (mut least, mut most) = ([*all.end(); SEEN], [*all.start(); SEEN]);
+    let inside = from + REACH - start..to + REACH - start;
+    for row in rows {
+        let bounds = least[inside.clone()].iter_mut().zip(&mut most[inside.clone()]);
+        for ((least, most), &sample) in bounds.zip(&row[from..to]) {
+            (*least, *most) = (sample.min(*least), sample.max(*most));
+        }
+    }
+    let (mut lowest, mut highest) = ([*all.end(); BLOCK], [*all.start(); BLOCK]);
+    for shift in 0..ACROSS {
+        let (least, most) = (&least[shift..][..BLOCK], &most[shift..][..BLOCK]);
+        for i in 0..BLOCK {
+            (lowest[i], highest[i]) = (lowest[i].min(least[i]), highest[i].max(most[i]));
+        }
+    }
+    [lowest, highest]
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::super::{Event, Grader, Report, Test, TestResult};
 use super::points;
+use crate::report::printable;
 use crate::submission::Finding;
 
 /// Before everything: what is graded, by what, how it is confined.
@@ -11,7 +12,7 @@ pub fn header(grader: &Grader<'_>, entrant: &str) -> String {
         None => "WITHOUT A SANDBOX, with all rights of whoever grades",
     };
     let (name, points) = (&grader.scheme.name, points(grader.scheme.points()));
-    format!("{name} ({points} points): {entrant}, {confined}\n\n")
+    format!("{} ({points} points): {}, {confined}\n\n", printable(name), printable(entrant))
 }
 
 /// What was noticed before anything was run.
@@ -123,11 +124,6 @@ fn share(test: &TestResult) -> String {
 
 fn indented(text: &str) -> String {
     text.lines().map(|line| format!("       {}\n", printable(line))).collect()
-}
-
-/// Without what would move the cursor or change colours: it comes from whoever is graded.
-fn printable(line: &str) -> String {
-    line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// A line that fits a screen; what a program prints may be one line of a megabyte.

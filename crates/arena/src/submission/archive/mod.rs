@@ -116,7 +116,7 @@ impl Unpacking<'_> {
             Kind::Folder => return Ok(None),
             Kind::File => {}
             Kind::Link => {
-                let problem = "is a link: pack the file itself (tar -h, or zip without -y)";
+                let problem = "is a link: pack the file itself (tar -h --hard-dereference, or zip without -y)";
                 return Err(self.intake.refuse(name, problem));
             }
             Kind::Special => {

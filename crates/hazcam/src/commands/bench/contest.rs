@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use arena::dataset::Case;
 use arena::engine::Definition;
 use arena::record::Machine;
+use arena::report::printable;
 use arena::run::{self, Event, Outcome, Plan};
 use matching::Level;
 
@@ -54,7 +55,9 @@ impl Contest {
             machine: this_machine(),
         };
         let Outcome { records, unreadable, .. } = conduct(&plan, &mut output, ui)?;
-        ui.print(&output.finish(&records, self.reference.as_deref())?)?;
+        // What cannot be kept shall at least be seen.
+        ui.print(&output.shown(&records, self.reference.as_deref()))?;
+        output.finish(&records, self.reference.as_deref())?;
         if let Some(place) = output.place() {
             ui.note(place);
         }
@@ -74,7 +77,10 @@ impl Contest {
         let called = called.filter(|_| !records.is_empty());
         let silent: BTreeSet<&str> = called.filter(|name| !has_answered(name)).collect();
         for name in &silent {
-            ui.fail(format_args!("{name} was asked for and has given no answer on any scene"));
+            let mut of_engine = records.iter().filter(|record| record.engine == *name);
+            let why = of_engine.find_map(|record| record.status.message());
+            let why = why.map(|why| format!(": {}", printable(why))).unwrap_or_default();
+            ui.fail(format_args!("{name} was asked for and has given no answer on any scene{why}"));
         }
         if own_failed || unreadable > 0 || records.is_empty() || !silent.is_empty() {
             return Ok(cli::ERROR.into());
@@ -96,7 +102,7 @@ pub fn this_machine() -> Machine {
 /// Says which engines cannot work here and why, a line for each reason.
 pub fn tell_absent(absent: Vec<(String, String)>, ui: &Ui) {
     for (names, message) in by_message(absent) {
-        ui.note(format_args!("{} left out: {message}", names.join(", ")));
+        ui.note(format_args!("{} left out: {}", names.join(", "), printable(&message)));
     }
 }
 

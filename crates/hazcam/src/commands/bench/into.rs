@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 use formats::write_atomically;
 
+use crate::outputs;
+
 /// A Markdown page with two lines `<!-- NAME -->` and `<!-- /NAME -->`, between which results stand.
 pub struct Page {
     path: PathBuf,
@@ -13,10 +15,11 @@ pub struct Page {
 }
 
 impl Page {
-    /// Errors when the page cannot be read or lacks a marker: before any work is done.
+    /// Errors when the page cannot be read or written, or lacks a marker: before any work is done.
     pub fn open(path: PathBuf, name: &'static str) -> anyhow::Result<Self> {
         let page = Self { path, name };
         page.replaced("")?;
+        outputs::check(&[outputs::Output::text("--into", &page.path, "")], &[])?;
         Ok(page)
     }
 

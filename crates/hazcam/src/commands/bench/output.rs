@@ -13,6 +13,10 @@ use formats::write_atomically;
 use super::into::Page;
 use super::pictures;
 use super::tables::{Tables, View};
+use crate::outputs;
+
+/// The whole result for people, in the folder.
+const TABLE: &str = "scores.md";
 
 /// What is shown and kept of a run.
 #[derive(Default)]
@@ -33,10 +37,11 @@ pub struct Output {
 }
 
 impl Output {
-    /// Keeps everything in a folder, which is made now, so that a bad name shows before the work.
+    /// Keeps everything in a folder, which is made and tried now, so that a bad name shows before the work.
     pub fn in_folder(folder: PathBuf, pictures: bool) -> anyhow::Result<Self> {
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        outputs::check(&[outputs::Output::text("--out", folder.join(TABLE), "")], &[])?;
         Ok(Self { folder: Some(folder), pictures, ..Self::default() })
     }
 
@@ -96,13 +101,17 @@ impl Output {
         Ok(())
     }
 
-    /// The whole result in the format that was asked for; the folder gets it in all of them, the
-    /// page as an overview.
-    pub fn finish(&self, records: &[Record], reference: Option<&str>) -> anyhow::Result<String> {
+    /// The whole result in the format that was asked for.
+    pub fn shown(&self, records: &[Record], reference: Option<&str>) -> String {
+        Tables { records, reference, view: self.view }.render(self.format)
+    }
+
+    /// The folder gets the whole result in all formats, the page gets it as an overview.
+    pub fn finish(&self, records: &[Record], reference: Option<&str>) -> anyhow::Result<()> {
         let tables = Tables { records, reference, view: self.view };
         if let Some(folder) = &self.folder {
             for (name, format) in [
-                ("scores.md", Format::Markdown),
+                (TABLE, Format::Markdown),
                 ("scores.csv", Format::Csv),
                 ("scores.json", Format::Json),
             ] {
@@ -113,7 +122,7 @@ impl Output {
         if let Some(page) = &self.page {
             page.put(&tables.for_page())?;
         }
-        Ok(tables.render(self.format))
+        Ok(())
     }
 
     /// In words where the results lie, if they are kept.

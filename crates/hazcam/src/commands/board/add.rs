@@ -67,10 +67,16 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         bail!(BoardError::Name(id.clone()));
     }
     let workshop = Workshop::open(&args.grading)?;
+    let mut secrets = args.grading.scene_files(workshop.scheme());
+    secrets.push(std::path::absolute(path)?);
+    secrets.extend(args.holdout.clone());
+    GradingArguments::keep_from(args.entrant.submission(), &secrets)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
+    GradingArguments::keep_from(args.entrant.submission(), &scene.secrets)?;
     // What is refused in the end is refused before the work.
+    workshop.check_scenes()?;
     let tests = tests_fingerprint(workshop.tests());
     board.admit_tests(owner, (&workshop.scheme().name, &tests))?;
     let given = args.secret_id.clone().or(args.entrant.matcher()).filter(|id| is_secret_id(id));
@@ -131,7 +137,10 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let standings = standings(board.entries()?, &holdout.test);
     let standing = standings.iter().find(|standing| standing.entry.secret_id == secret_id);
     let place = match standing.and_then(|standing| standing.place) {
-        Some(place) => format!("place {place} of {}", standings.len()),
+        Some(place) => {
+            let placed = standings.iter().filter(|standing| standing.place.is_some()).count();
+            format!("place {place} of {placed}")
+        }
         None if args.baseline => "a baseline".into(),
         None => "without a place, since it has no answer on the hold-out".into(),
     };

@@ -47,6 +47,13 @@ impl EntrantArguments {
         self.matcher.clone()
     }
 
+    /// The files in the folder of engines, if there is one.
+    pub fn engine_files(&self) -> Vec<PathBuf> {
+        let folder = or_variable(self.engines.as_deref(), "HAZCAM_ENGINES");
+        let entries = folder.and_then(|folder| folder.read_dir().ok());
+        entries.into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+    }
+
     /// The submission's name without folder and endings, or the engines' names.
     pub fn owner(&self) -> String {
         let named = |path: &Path| path.file_name().map(ToOwned::to_owned);
@@ -58,9 +65,10 @@ impl EntrantArguments {
         match (submission, &self.matcher) {
             (Some(name), _) => {
                 let name = name.to_string_lossy();
-                let ending =
-                    [".tar.gz", ".tgz", ".tar", ".zip"].iter().find(|end| name.ends_with(*end));
-                name.strip_suffix(ending.unwrap_or(&"")).unwrap_or(&name).to_owned()
+                let plain = name.to_ascii_lowercase();
+                let mut endings = [".tar.gz", ".tgz", ".tar", ".zip"].iter();
+                let ending = endings.find(|end| plain.ends_with(*end)).map_or(0, |end| end.len());
+                name[..name.len() - ending].to_owned()
             }
             (None, Some(matcher)) => matcher.clone(),
             (None, None) => String::new(),

@@ -16,6 +16,7 @@ use arena::submission::{Python, Runner};
 
 use super::scenes;
 use crate::arguments::or_variable;
+use crate::outputs;
 use crate::ui::Ui;
 
 /// By what and how entrants are graded.
@@ -153,6 +154,15 @@ impl Workshop {
         tests.filter_map(|test| Some((test, self.scenes.get(&test.scene)?.as_ref().ok()?)))
     }
 
+    /// Errors with the reason where a scene of the tests could not be loaded.
+    pub fn check_scenes(&self) -> anyhow::Result<()> {
+        let of_test = |test: &Test| self.scenes.get(&test.scene)?.as_ref().err();
+        match self.scheme.tests.iter().find_map(of_test) {
+            Some(why) => bail!("not entered, because a scene cannot be used: {why}"),
+            None => Ok(()),
+        }
+    }
+
     /// The grader.
     pub fn grader(&self) -> anyhow::Result<Grader<'_>> {
         let runner = match &self.python {
@@ -177,14 +187,39 @@ impl GradingArguments {
         self.scheme.as_deref()
     }
 
-    /// The files that a scheme's own scenes are.
+    /// The files that a scheme's scenes are made from.
     pub fn scene_files(&self, scheme: &Scheme) -> Vec<PathBuf> {
         let sources = scheme.scenes.values().map(|source| source.within(self.folder()));
         let files = |source| match source {
-            SceneSource::Files { left, right, truth, .. } => vec![left, right, truth],
+            SceneSource::Files { left, right, truth, bounds, .. } => {
+                let bounds = bounds.filter(|bounds| bounds.ends_with(".npy")).map(PathBuf::from);
+                [left, right, truth].into_iter().chain(bounds).collect()
+            }
             SceneSource::Rendered { .. } => Vec::new(),
         };
-        sources.flat_map(files).collect()
+        let mut all: Vec<PathBuf> = sources.flat_map(files).collect();
+        // Where these cannot be read, the tests tell.
+        if let Some(folder) = or_variable(self.data.as_deref(), "HAZCAM_DATA") {
+            let cases = dataset::open(&folder).unwrap_or_default();
+            let tested = |case: &&Case| scheme.tests.iter().any(|test| test.scene == case.id);
+            let files = cases.iter().filter(tested).filter_map(Case::files);
+            all.extend(files.flat_map(|files| files.all()).map(Path::to_owned));
+            all.push(folder.join("scenes.json"));
+        }
+        all
+    }
+
+    /// Errors where one of these files lies in the folder of a submission, which would see its copy.
+    pub fn keep_from(submission: Option<&Path>, files: &[PathBuf]) -> anyhow::Result<()> {
+        let Some(folder) = submission else { return Ok(()) };
+        match files.iter().find(|file| outputs::lies_in(file, folder)) {
+            Some(file) => bail!(
+                "{} lies in the submission {}, which would see it: keep it elsewhere",
+                file.display(),
+                folder.display()
+            ),
+            None => Ok(()),
+        }
     }
 
     /// What the scheme's paths are relative to.

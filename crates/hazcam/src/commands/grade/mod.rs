@@ -92,6 +92,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
     args.check_output(workshop.scheme())?;
+    let scenes = args.grading.scene_files(workshop.scheme());
+    GradingArguments::keep_from(args.entrant.submission(), &scenes)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     let grader = workshop.grader()?;
     args.grading.warn_if_unconfined(ui);
@@ -142,16 +144,13 @@ impl Args {
     /// long.
     fn check_output(&self, scheme: &Scheme) -> anyhow::Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
-        let lies_in = |folder: &Path| {
-            let places = formats::destination(path).ok().zip(folder.canonicalize().ok());
-            folder.is_dir() && places.is_some_and(|(place, folder)| place.starts_with(folder))
-        };
-        if self.entrant.submission().is_some_and(lies_in) {
+        if self.entrant.submission().is_some_and(|folder| outputs::lies_in(path, folder)) {
             bail!("{OUTPUT} {} would lie in the submission: name another folder", path.display());
         }
-        let scenes = self.grading.scene_files(scheme);
+        let (scenes, engines) = (self.grading.scene_files(scheme), self.entrant.engine_files());
         let inputs = [self.entrant.submission(), self.grading.scheme()].into_iter().flatten();
-        let inputs: Vec<&Path> = inputs.chain(scenes.iter().map(PathBuf::as_path)).collect();
+        let files = scenes.iter().chain(&engines).map(PathBuf::as_path);
+        let inputs: Vec<&Path> = inputs.chain(files).collect();
         outputs::check(&[Output::text(OUTPUT, path, "")], &inputs)
     }
 }

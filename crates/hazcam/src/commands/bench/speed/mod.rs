@@ -6,6 +6,7 @@
 mod report;
 mod sizes;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -82,14 +83,32 @@ impl SpeedArguments {
                 let sizes = matching(sizes, |size| &size.case.id, scenes.scenes.as_deref())?;
                 let asked = sizes.len();
                 let runs = self.measure(sizes, engines, ui, |run| {
+                    // At once: what is yet to come may take long, and be cut short. Others may have written meanwhile.
+                    if let Some(path) = self.record.as_ref().filter(|path| path.exists()) {
+                        kept = Record::read(path)?;
+                    }
+                    // A run of which nothing came takes no earlier one's place.
+                    if run.measurements.iter().all(|found| found.status.message().is_some()) {
+                        return Ok(());
+                    }
                     kept.put(run.clone());
-                    // At once: what is yet to come may take long, and be cut short.
                     match &self.record {
                         Some(path) => Ok(kept.write(path)?),
                         None => Ok(()),
                     }
                 })?;
-                complete = runs.len() == asked;
+                let has_answered = |name: &&str| {
+                    let mut all = runs.iter().flat_map(|run| &run.measurements);
+                    all.any(|found| found.engine == *name && found.status.message().is_none())
+                };
+                let called = engines.called().filter(|_| !runs.is_empty());
+                let silent: BTreeSet<&str> = called.filter(|name| !has_answered(name)).collect();
+                for name in &silent {
+                    ui.fail(format_args!(
+                        "{name} was asked for and has given no answer on any size"
+                    ));
+                }
+                complete = runs.len() == asked && silent.is_empty();
                 runs
             }
         };
