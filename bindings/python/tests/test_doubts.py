@@ -54,6 +54,26 @@ def test_matches_at_an_end_of_the_range_are_doubted():
         "that are missed; lower `min_disparity`"
     )
     assert told(lambda: hazcam.match(left, right, 40, min_disparity=20, preset="fast")) == [farther]
+    left, right = dots(shift=0)
+    infinite = (
+        "many of the matched pixels lie at disparity 0, infinitely far. If nothing is, the two show "
+        "what belongs to the cameras: blocks of compressed pictures, dust on lenses, vignetting"
+    )
+    assert told(lambda: hazcam.match(left, right, 40)) == [infinite]
+    thermal = [30000 + image.astype(np.uint16) for image in dots(shift=20)]
+    levels = (
+        "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes matches "
+        "worse; spread them over all of it, alike in both"
+    )
+    assert levels in told(lambda: hazcam.match(*thermal, 40))
+
+
+def test_the_course_function_doubts_too():
+    left, right = dots(shift=20)
+    nearer = (
+        "many of the matched pixels lie at the largest disparity, 20: there may be nearer things "
+        "that are missed; raise `max_disparity`"
+    )
     bbox = [[0, 119], [0, 59]]
     floats = left.astype(np.float32), right.astype(np.float32)
     assert told(lambda: stereo_disparity_fast(*floats, bbox, 20)) == [nearer]
