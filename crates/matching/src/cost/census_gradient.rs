@@ -32,7 +32,7 @@ use crate::prepare::grey::GreyView;
 use crate::profile::Work;
 
 /// A difference of grey steps counts at most this.
-const LARGEST_STEP: u8 = 20;
+pub(crate) const LARGEST_STEP: u8 = 20;
 
 /// What a bit counts.
 #[derive(Debug)]

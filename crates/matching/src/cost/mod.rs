@@ -1,4 +1,12 @@
 //! How badly left `(x, y)` and right `(x - d, y)` fit, per disparity `d`.
+//!
+//! | file | cost | in | out |
+//! | --- | --- | --- | --- |
+//! | `absolute_difference` | absolute difference of prefiltered grey (`fast`) | rows of both images | a byte per disparity and column |
+//! | `census_gradient` | Hamming distance of census words, truncated difference of grey steps, distance of descriptors (`balanced`, `best`) | words and steps of both images | per column a byte for each disparity in turn |
+//!
+//! Disparities count from the smallest that is tried anywhere ([`SearchSpace`]); what is not tried at a column has the
+//! largest cost.
 
 pub(crate) mod absolute_difference;
 pub(crate) mod census_gradient;

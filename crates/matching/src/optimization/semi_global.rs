@@ -3,7 +3,8 @@
 //! Every path adds to a pixel's cost the cheapest way to get there from the border of the image:
 //! a change of one disparity costs `P1`, a larger one `P2`, and `P2` falls where the grey value
 //! changes by more than noise and texture do, since that is where depth may jump (Banz et al., ICCV Workshops
-//! 2011). The sum of the eight replaces the cost.
+//! 2011). The sum of the eight replaces the cost: `S(p, d) = L_1(p, d) + .. + L_8(p, d)`, which is eight times the
+//! cost and the eight *detours* `L_r - C`, what the way from the border adds to it.
 //!
 //! Four paths come from above and the left, four from below and the right, so two sweeps do all.
 //! They begin at opposite ends at the same time: until they meet in the middle each leaves what its

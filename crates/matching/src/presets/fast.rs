@@ -12,14 +12,12 @@ use crate::kernels::sad;
 use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
 use crate::profile::{Profile, Work};
-use crate::refinement::groups::Groups;
+use crate::refinement::groups::{self, Groups};
 use crate::refinement::median_in_steps::{Medians, Steps};
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
 use crate::selection::fixed_point::{FixedPoint, HOLE};
 
-/// Neighbours of one group differ by at most so many pixels.
-const GROUP_STEP: f32 = 1.0;
 /// Smaller groups are not believed: so many pixels, or this part of a small box.
 const LEAST_GROUP: usize = 200;
 const LEAST_PART: usize = 20;
@@ -69,7 +67,7 @@ impl Fast {
         if space.count > 0 {
             let work = self.find_winners(frame, &space, numbers, height, map);
             profile.end("windows, winners, check", work);
-            let (disparities, step) = (self.disparities.samples(), numbers.steps(GROUP_STEP));
+            let (disparities, step) = (self.disparities.samples(), numbers.steps(groups::STEP));
             let work = self.groups.find(self.level, disparities, columns, step, height);
             profile.end("speckles", work);
             gaps = self.fill_gaps(frame, numbers, height, map);

@@ -37,9 +37,9 @@ use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::FixedPoint;
 use crate::selection::winner::Winners;
 
-/// A winner whose sum is not lower by so much than that of any disparity but its neighbours is no match;
-/// nor is one that has no others to be compared with, at the end of the right image. Where only three
-/// disparities are tried none may be left but neighbours: then one of those must be larger by so much.
+/// A winner is no match unless its sum is lower by at least this than every other disparity's, its two neighbours
+/// apart, or if there are no others to compare it with, at the end of the right image. Where only three disparities
+/// are tried, one of its neighbours' sums must be larger by as much.
 const UNIQUE: u16 = 2;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;

@@ -11,14 +11,12 @@ use crate::optimization::bands::Bands;
 use crate::optimization::semi_global::Penalties;
 use crate::prepare::grey::GreyView;
 use crate::profile::Work;
-use crate::refinement::groups::Groups;
+use crate::refinement::groups::{self, Groups};
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_steps};
 
 /// Smaller groups are speckles: so many pixels of the image.
 const LEAST_GROUP: usize = 60;
-/// Neighbours that differ by at most so many pixels are of one group, whatever its ends differ by.
-const GROUP_STEP: f32 = 1.0;
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
@@ -87,7 +85,7 @@ impl View {
         let ViewMap { values, reasons, .. } = &mut self.map;
         let (columns, rows) = values.size();
         let written = in_steps(level, numbers, values, &mut self.steps);
-        let step = numbers.steps(GROUP_STEP);
+        let step = numbers.steps(groups::STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
         let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
         let groups = &self.groups;

@@ -22,6 +22,8 @@ use crate::kernels::level::{Level, with_vectors};
 use crate::profile::Work;
 use crate::selection::fixed_point::HOLE;
 
+/// Neighbours that differ by at most so many pixels are of one group, whatever its ends differ by.
+pub(crate) const STEP: f32 = 1.0;
 /// Pixels whose bits share a word.
 const WORD: usize = 64;
 /// Pixels that share a vector.

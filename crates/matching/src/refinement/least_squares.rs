@@ -29,8 +29,8 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::rounding::nearest;
 use crate::profile::Work;
 
-/// Half the window: it has `2 RADIUS + 1` columns of the image and as many matched rows, which `balanced` has
-/// every other one of.
+/// Half the window, which is 7 columns by 7 matched rows: 13 rows of the image in `balanced`, which matches every
+/// second one.
 const RADIUS: usize = 3;
 const SIDE: usize = 2 * RADIUS + 1;
 /// How far off the disparities are that come here, in pixels: a standard deviation.
@@ -40,7 +40,7 @@ const CORRELATED: f32 = 5.0;
 /// The least variance of what is left over, in square grey values: that of rounding, in both images.
 const ROUNDING: f32 = 0.3;
 /// No shift is larger, in pixels: the slope of grey holds no farther.
-const FARTHEST: f32 = 0.5;
+const LARGEST_SHIFT: f32 = 0.5;
 /// Neighbours of one surface differ by at most so many pixels.
 const ONE_SURFACE: f32 = 1.0;
 /// Parts of a grey value.
@@ -301,7 +301,7 @@ at_every_level! {
                 let left = (of_errors - shift * shared).max(0.0) / n + ROUNDING * square;
                 let variance = CORRELATED * left / of_slopes;
                 let weight = OWN * OWN / (OWN * OWN + variance);
-                shifts[i] = shift.clamp(-FARTHEST, FARTHEST) * weight;
+                shifts[i] = shift.clamp(-LARGEST_SHIFT, LARGEST_SHIFT) * weight;
             }
             for ((value, shift), &is_match) in values.iter_mut().zip(shifts).zip(is_match) {
                 let shifted = (*value - shift).clamp(least, most);
@@ -478,7 +478,7 @@ mod tests {
         let of_shift =
             f64::from(CORRELATED) * (left.max(0.0) + f64::from(ROUNDING)) / (n * variance);
         let own = f64::from(OWN * OWN);
-        let most = f64::from(FARTHEST);
+        let most = f64::from(LARGEST_SHIFT);
         (d + shift.clamp(-most, most) * own / (own + of_shift)).clamp(0.0, 20.0)
     }
 

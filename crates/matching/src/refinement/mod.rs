@@ -1,4 +1,14 @@
 //! Outliers out, occlusions filled, edges sharpened, confidence.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `groups` | speckles: groups of pixels that are too small (Hirschmüller 2008) |
+//! | `row_fill`, `plane_fill`, `plane_fit` | holes: from one end to the other, or the background along its plane |
+//! | `choice` | pixels take the plane around them that a learned network expects to be off by the least |
+//! | `least_squares` | the fraction of a pixel (Lucas & Kanade 1981) |
+//! | `columns_between`, `rows_between` | what lies between the matched ones |
+//! | `median`, `median_in_steps` | what stands alone |
+//! | `outside`, `blank` | what lies outside the right image, and what shows nothing: reasons |
 
 pub(crate) mod blank;
 pub(crate) mod choice;

@@ -30,7 +30,7 @@ const WIDER: f32 = 2.0;
 /// Surfaces steeper than this are not continued at their slope.
 const STEEPEST: f32 = 0.5;
 /// A plane is continued over at most so many columns, and is flat from there on.
-const FARTHEST: f32 = 100.0;
+const LONGEST: f32 = 100.0;
 
 /// An end of a hole, and how its surface goes on.
 #[derive(Clone, Copy)]
@@ -106,7 +106,7 @@ impl Hole {
 
     /// What fills column `x`.
     fn value(&self, x: usize, hidden: bool) -> Option<f32> {
-        let farthest = FARTHEST / self.apart;
+        let farthest = LONGEST / self.apart;
         let at = |end: End| if hidden { end.continued(x, farthest) } else { end.value };
         match (self.before, self.after) {
             (Some(before), Some(after)) => Some(at(before).min(at(after))),

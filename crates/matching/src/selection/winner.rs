@@ -1,9 +1,9 @@
-//! Winner takes all, in both views, from the costs of one row.
+//! Winner takes all, in both views, from the sums of one row.
 //!
-//! Left: `k(x) = argmin_k C(x, k)` over the disparities whose match lies inside the right image.
-//! Right: `k'(x') = argmin_k C(x' + min + k, k)`: the same costs read along their diagonal, so the
+//! Left: `k(x) = argmin_k S(x, k)` over the disparities whose match lies inside the right image.
+//! Right: `k'(x') = argmin_k S(x' + min + k, k)`: the same sums read along their diagonal, so the
 //! second view costs no second matching (Fua 1993; Muehlmann et al. 2002); where only every second
-//! column is matched, the one between has the costs of the one before. Of equal costs the smallest
+//! column is matched, the one between has the sums of the one before. Of equal sums the smallest
 //! disparity wins, in both views.
 
 use std::ops::Range;

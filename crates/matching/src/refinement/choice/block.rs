@@ -104,10 +104,10 @@ pub(super) struct Block {
     /// How the candidates lie to each other.
     pub relations: Relations,
     /// How far they are to be heard, two after the other.
-    heard: [[Numbers; VOTES]; MOST / 2],
-    votes: [[Sums; VOTES]; MOST],
+    heard: [[Numbers; KINDS_OF_VOTES]; MOST / 2],
+    votes: [[Sums; KINDS_OF_VOTES]; MOST],
     /// What makes votes shares.
-    scales: [Lanes; VOTES],
+    scales: [Lanes; KINDS_OF_VOTES],
     here: Lanes,
     smallest: Lanes,
     largest: Lanes,
@@ -135,7 +135,7 @@ pub(super) struct Block {
 /// A candidate that is heard in full.
 const HEARD: f32 = 16384.0;
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
-const VOTES: usize = 4;
+const KINDS_OF_VOTES: usize = 4;
 
 pub(super) const NONE: Lanes = Line([0.0; LANES]);
 
@@ -342,10 +342,10 @@ impl Block {
     #[inline(always)]
     fn count_votes(&mut self, products: impl Products) {
         let n = self.places.len();
-        let mut all = [Line([0; LANES]); VOTES];
+        let mut all = [Line([0; LANES]); KINDS_OF_VOTES];
         for i in 0..n / 2 {
             let (one, other) = (self.weights(2 * i), self.weights(2 * i + 1));
-            for vote in 0..VOTES {
+            for vote in 0..KINDS_OF_VOTES {
                 self.heard[i][vote] = in_turns(&one[vote], &other[vote]);
                 for l in 0..LANES {
                     all[vote][l] += one[vote][l] + other[vote][l];
@@ -365,8 +365,8 @@ impl Block {
 
     /// How far candidate `k` is to be heard by each kind of vote, in parts of [`HEARD`].
     #[inline(always)]
-    fn weights(&self, k: usize) -> [Sums; VOTES] {
-        let mut weights = [Line([0; LANES]); VOTES];
+    fn weights(&self, k: usize) -> [Sums; KINDS_OF_VOTES] {
+        let mut weights = [Line([0; LANES]); KINDS_OF_VOTES];
         for l in 0..LANES {
             let inside = self.inside[k][l] * HEARD;
             // Of the same shade: 1 to 0 over 16 grey values.

@@ -6,6 +6,7 @@
 
 use super::block::{LANES, NONE};
 use super::looks::Looks;
+use crate::cost::census_gradient::LARGEST_STEP;
 use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Lanes;
@@ -21,8 +22,6 @@ const OWN_BYTE: u64 = 0xff;
 const STEP_BYTES: u64 = 0xffff_ffff_ff00;
 /// A word times this has the sum of its bytes in its highest one.
 const ONES: u64 = 0x0101_0101_0101_0101;
-/// Differences of two steps count up to this.
-const LARGEST_STEP: u8 = 20;
 /// Where a grey value does not change along its row.
 const FLAT: u8 = 128;
 /// Steps beyond this are as much texture as this.
