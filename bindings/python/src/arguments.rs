@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use matching::{Holes, Ingredient, Options};
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString};
+use pyo3::types::{PyBool, PyFrozenSet, PySet, PyString};
 use raster::{BoundingBox, DisparityRange};
 
 use crate::errors::{about, of_matching, wrong_type, wrong_value};
@@ -51,7 +51,8 @@ fn whole(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<i64> {
     integer(value).map_err(|error| match error {
         NoInteger::TooLarge => wrong_value(name, shown(value), allowed),
         NoInteger::WrongType => {
-            let is_number = value.extract::<f64>().is_ok() && !value.is_instance_of::<PyBool>();
+            let is_finite = value.extract().is_ok_and(f64::is_finite);
+            let is_number = is_finite && !value.is_instance_of::<PyBool>();
             let remedy = if is_number { format!("; int({name}) is one") } else { String::new() };
             wrong_type(name, shown(value), format!("a whole number is needed: {allowed}{remedy}"))
         }
@@ -83,9 +84,18 @@ pub fn count(name: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyResult<Op
     usize::try_from(number).map(Some).map_err(|_| wrong_value(name, number, allowed))
 }
 
-/// A number with its fraction.
+/// A number with its fraction; truth values are none.
 pub fn real(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    value.extract().map_err(|_| wrong_type(name, shown(value), "a number is needed"))
+    let needed = "a number is needed";
+    if value.is_instance_of::<PyBool>() {
+        return Err(wrong_type(name, shown(value), needed));
+    }
+    value.extract().map_err(|error: PyErr| {
+        match error.is_instance_of::<PyOverflowError>(value.py()) {
+            true => wrong_value(name, shown(value), "it must fit a float of 64 bits"),
+            false => wrong_type(name, shown(value), needed),
+        }
+    })
 }
 
 /// A text.
@@ -132,6 +142,10 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<Option<BoundingBox>> {
     let needed = "four whole numbers (x0, y0, x1, y1) are needed, first column and row, last column and \
                   row, all part of the box; the course's [[x0, x1], [y0, y1]] is for hazcam.course";
     let wrong = || wrong_type("box", shown(value), needed);
+    if value.is_instance_of::<PySet>() || value.is_instance_of::<PyFrozenSet>() {
+        // They have no order.
+        return Err(wrong());
+    }
     let mut sides = Vec::new();
     // One more than are needed: an iterator may go on for ever.
     for side in value.try_iter().map_err(|_| wrong())?.take(5) {

@@ -33,6 +33,14 @@ fn of_bits(used: u32) -> String {
 }
 
 fn of_rows(vertical: &VerticalDisparity) -> Option<String> {
+    if vertical.disparity_error() > VerticalDisparity::TELLING {
+        return Some(
+            "things stand higher or lower in `right` than in `left`, which was mended (`vertical_disparity` tells how \
+             far); for the same reason disparities may be off towards the edges, which is not mended and which \
+             confidence does not know: rectify the cameras anew"
+                .to_owned(),
+        );
+    }
     let limit = VerticalDisparity::BADLY_RECTIFIED;
     (vertical.largest() > limit).then(|| {
         format!(

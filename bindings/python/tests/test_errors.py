@@ -292,6 +292,15 @@ TYPES = [
         "is one",
     ),
     (
+        lambda: Matcher("fast", float("nan")),
+        f"`max_disparity` is nan (float), but a whole number is needed: {RANGE}",
+    ),
+    (lambda: hazcam.StereoCamera(True, 0.1), "`focal_px` is True (bool), but a number is needed"),
+    (
+        lambda: for_course(Il=np.ma.array(np.zeros((6, 9)))),
+        f"`Il` is a masked array, but {COURSE_IMAGE}: give Il.filled(0)",
+    ),
+    (
         lambda: Matcher("fast", "64"),
         f"`max_disparity` is '64' (str), but a whole number is needed: {RANGE}",
     ),

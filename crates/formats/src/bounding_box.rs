@@ -26,7 +26,8 @@ pub fn read_bounding_box(path: impl AsRef<Path>) -> Result<BoundingBox, FormatEr
     let malformed = |problem: String| source.malformed("bounding box", None, problem);
     // Past 2^53 an integer is no longer exact, and past any image.
     if let Some(side) = sides.iter().find(|side| !(0.0..=9e15).contains(*side)) {
-        return Err(malformed(format!("a side is {side:e}, but 0 to 9e15 is allowed")));
+        let side = if *side < 0.0 { side.to_string() } else { format!("{side:e}") };
+        return Err(malformed(format!("a side is {side}, but 0 to 9e15 is allowed")));
     }
     let [x0, x1, y0, y1] = [0, 1, 2, 3].map(|n| sides[n] as usize);
     BoundingBox::new(x0, y0, x1, y1).map_err(|error| malformed(error.to_string()))

@@ -18,8 +18,8 @@ pub const MAX_FILE_BYTES: u64 = 8 * MAX_PIXELS + (1 << 20);
 /// So many bytes tell what a file is.
 const BEGINNING: u64 = 512;
 
-/// Texts that are read are shorter than this.
-const LONGEST_TEXT: u64 = 1 << 20;
+/// Calibrations are short; a text that is longer is something else.
+pub(crate) const LONGEST_TEXT: u64 = 1 << 20;
 
 /// What a file is, by its first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
@@ -85,7 +85,8 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Reads all of a file, at most [`MAX_FILE_BYTES`].
+    /// Reads all of a file, at most [`MAX_FILE_BYTES`]; of one that is of no known kind no more than shows that it is
+    /// no calibration.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
         let failed = |source| FormatError::Read { path: path.to_owned(), source };
         let file = File::open(path).map_err(failed)?;
@@ -100,19 +101,20 @@ impl Source {
             return Err(too_large(format!("it has {length} bytes")));
         }
         let mut bytes = Vec::new();
-        // What is none of ours is told by its beginning; short texts may be calibrations.
+        // What is none of ours is told by its beginning, and need not be read to its end; short texts may be
+        // calibrations.
         (&file).take(BEGINNING).read_to_end(&mut bytes).map_err(failed)?;
-        if length > LONGEST_TEXT && Container::of(&bytes).is_none() {
-            let source = Self { path: path.to_owned(), bytes };
-            return source.container().map(|_| source);
-        }
-        let rest = (length as usize).saturating_sub(bytes.len());
+        let most = match Container::of(&bytes) {
+            Some(_) => MAX_FILE_BYTES,
+            // So that whoever asked for it sees that it is longer.
+            None if length > LONGEST_TEXT => LONGEST_TEXT,
+            None => MAX_FILE_BYTES,
+        };
+        let rest = (length.min(most + 1) as usize).saturating_sub(bytes.len());
         bytes.try_reserve_exact(rest).map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
         // A pipe or device has no length: its end is looked for, but not without end.
-        (&file)
-            .take(MAX_FILE_BYTES + 1 - bytes.len() as u64)
-            .read_to_end(&mut bytes)
-            .map_err(failed)?;
+        let rest = most + 1 - bytes.len() as u64;
+        (&file).take(rest).read_to_end(&mut bytes).map_err(failed)?;
         if bytes.len() as u64 > MAX_FILE_BYTES {
             return Err(too_large("it has no end in sight".to_owned()));
         }

@@ -1,14 +1,24 @@
 //! A disparity map from its file, with what lies over it pixel for pixel: the left image, how sure each
 //! pixel is and why, the truth.
 
+use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use formats::{Encoding, ReadDisparity};
 use matching::few_bits;
 use raster::{Image, Plane, Reason};
+use serde::Deserialize;
 
 use crate::ui::Ui;
+
+/// What is read of the record beside a map.
+#[derive(Deserialize)]
+struct Record {
+    /// Pixels per reason, as shares.
+    reasons: BTreeMap<String, f64>,
+}
 
 /// A disparity map and where it came from.
 pub struct Map {
@@ -35,6 +45,20 @@ impl Map {
             u16::BITS - used
         ));
         Ok(image.widened_from(used))
+    }
+
+    /// The share of the disparities that were filled in without a match, where the record that `hazcam match` leaves
+    /// beside a map tells of any.
+    pub fn filled(&self) -> Option<f64> {
+        let mut record = self.path.clone().into_os_string();
+        record.push(".json");
+        let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
+        let share = |filled: &dyn Fn(Reason) -> bool| -> f64 {
+            let reasons = Reason::ALL.into_iter().filter(|&reason| filled(reason));
+            reasons.filter_map(|reason| record.reasons.get(reason.name())).sum()
+        };
+        let filled = share(&|reason| reason.has_value() && reason != Reason::Matched);
+        (filled > 0.0).then(|| filled / share(&Reason::has_value))
     }
 
     /// How sure each pixel is, from 0 to 1; NaN is not sure.

@@ -15,8 +15,6 @@ const NARROW: usize = 64;
 /// reach 54.7, have 5 to 7 % there with a range to 40, none with 64; ranges that just hold their scene
 /// leave up to 2 %.
 const MANY: f64 = 0.03;
-/// In a range of fewer disparities the last one is a large share of it, whatever is seen.
-const SHORT: usize = 16;
 /// With a larger share of the matched pixels within half a pixel of disparity 0, much is infinitely far.
 const MANY_INFINITE: f64 = 0.2;
 /// Cameras give 10, 12 or 14 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
@@ -58,25 +56,25 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     if share < FEW {
         return vec![Doubt::HardlyMatched(share)];
     }
-    if range.count() < SHORT {
-        return Vec::new();
-    }
+    // In a short range the last disparity is a large share of it, whatever is seen.
+    let many = MANY.max(1.0 / range.count() as f64);
     let (min, max) = (range.min() as f32, range.max() as f32);
     let of = |there: &dyn Fn(f32) -> bool| {
         matched.iter().filter(|&&value| there(value)).count() as f64 / matched.len() as f64
     };
     let mut doubts = Vec::new();
     let nearest = of(&|value| value >= max - 0.5);
-    if nearest > MANY {
+    if nearest > many {
         doubts.push(Doubt::Nearer(nearest));
     }
     // At 0 things are infinitely far: nothing is behind that.
     let farthest = of(&|value| value <= min + 0.5);
-    if range.min() != 0 && farthest > MANY {
+    if range.min() != 0 && farthest > many {
         doubts.push(Doubt::Farther(farthest));
     }
+    // Who searches below 0 has a pair that is cropped or turned inwards, and sees infinity elsewhere.
     let infinite = of(&|value| value.abs() < 0.5);
-    if infinite > MANY_INFINITE {
+    if range.min() == 0 && infinite > MANY_INFINITE {
         doubts.push(Doubt::Infinite(infinite));
     }
     doubts
@@ -101,7 +99,7 @@ pub fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
     }
     let [[least, most], [least_right, most_right]] = [left.extremes()?, right.extremes()?];
     let (least, most) = (least.min(least_right), most.max(most_right));
-    (most > 0 && most - least < FEW_LEVELS).then_some([least, most])
+    (least < most && most - least < FEW_LEVELS).then_some([least, most])
 }
 
 /// The disparities of the matched pixels of a box.
@@ -152,10 +150,13 @@ mod tests {
         assert_eq!(about(100, &at(0.0), (0, 40)), []);
         assert_eq!(about(100, &[(40, 10.0), (11, 0.4)], (0, 40)), [Doubt::Infinite(11.0 / 51.0)]);
         assert_eq!(about(100, &[(40, 10.0), (10, 0.4)], (0, 40)), []);
+        assert_eq!(about(100, &[(40, 10.0), (11, 0.4)], (-20, 40)), []);
         assert_eq!(about(100, &at(5.5), (5, 40)), [Doubt::Farther(0.04)]);
         assert_eq!(about(100, &at(-7.0), (-7, 40)), [Doubt::Farther(0.04)]);
         assert_eq!(about(100, &[(49, 10.0), (1, 40.0)], (0, 40)), []);
         assert_eq!(about(100, &at(14.0), (0, 14)), []);
+        let four = 4.0 / 52.0;
+        assert_eq!(about(100, &[(48, 10.0), (4, 14.0)], (0, 14)), [Doubt::Nearer(four)]);
     }
 
     #[test]
@@ -173,5 +174,6 @@ mod tests {
         assert_eq!(few_levels(&deep(30_000), &deep(34_096)), None);
         assert_eq!(few_levels(&deep(3000), &deep(3255)), None, "few bits");
         assert_eq!(few_levels(&shallow, &deep(30_000)), None);
+        assert_eq!(few_levels(&deep(65_535), &deep(65_535)), None, "there is nothing to spread");
     }
 }

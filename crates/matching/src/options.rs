@@ -71,8 +71,9 @@ pub enum Holes {
 pub struct Options {
     /// Which stages.
     pub preset: Preset,
-    /// The disparities to search, in pixels. Of three or fewer `balanced` and `best` are never sure, since
-    /// there are no others to compare a winner with but its neighbours; of a single one nothing is matched.
+    /// The disparities to search, in pixels. Of two `balanced` and `best` are never sure, and of three
+    /// seldom, since there are hardly others to compare a winner with but its neighbours; of a single one nothing is
+    /// matched.
     pub range: DisparityRange,
     /// Fill pixels without a match, or leave them.
     pub holes: Holes,

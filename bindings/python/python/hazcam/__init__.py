@@ -22,7 +22,7 @@ from .errors import (
     MissingFileError,
 )
 from .files import read_disparity, read_image, write_disparity
-from .matcher import Matcher, match
+from .matcher import Holes, Image, Matcher, Preset, match
 from .scores import Scores, score
 from .stereo_camera import StereoCamera, read_calibration
 
@@ -35,8 +35,11 @@ __all__ = [
     "FrameMemoryError",
     "HazcamError",
     "HazcamWarning",
+    "Holes",
+    "Image",
     "Matcher",
     "MissingFileError",
+    "Preset",
     "Reason",
     "Scores",
     "StereoCamera",

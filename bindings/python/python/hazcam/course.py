@@ -75,6 +75,8 @@ def _stereo_disparity(
 def _grey(name: str, image: NDArray[Any]) -> NDArray[np.uint8]:
     """Grey values as whole ones; half goes up, as where hazcam makes grey of colours."""
     needed = "a numpy array of grey values from 0 to 255 with shape (rows, columns) is needed"
+    if isinstance(image, np.ma.MaskedArray):
+        raise ArgumentTypeError(f"`{name}` is a masked array, but {needed}: give {name}.filled(0)")
     if not isinstance(image, np.ndarray) or image.dtype.kind not in "fiu":
         kind = f"of {image.dtype}" if isinstance(image, np.ndarray) else type(image).__name__
         raise ArgumentTypeError(f"`{name}` is {kind}, but {needed}")

@@ -48,7 +48,7 @@ class Matcher:
 
     Notes
     -----
-    It keeps its memory from frame to frame. Several Python threads may share one: frames wait for
+    An interrupt (Ctrl-C) is heard when the frame is done. It keeps its memory from frame to frame. Several Python threads may share one: frames wait for
     each other, and other Python threads run while it matches. A process that was forked off needs
     one of its own. The Rust crate ``hazcam-matching`` does the work.
 

@@ -80,7 +80,6 @@ fn case(root: &Path, entry: Entry) -> Result<Case, String> {
         ("truth_encoding", entry.truth_encoding.is_some()),
         ("truth_noc", entry.truth_noc.is_some()),
         ("truth_right", entry.truth_right.is_some()),
-        ("mask_nocc", entry.mask_nocc.is_some()),
     ];
     if let Some((field, _)) =
         of_truth.iter().find(|(_, is_there)| *is_there && entry.truth.is_none())

@@ -72,6 +72,16 @@ pub enum DefinitionError {
         /// What is wrong, and what is allowed.
         problem: String,
     },
+    /// Two files of a folder define engines of one name.
+    #[error("{} and {} both define `{name}`: give each its own name", one.display(), other.display())]
+    SameName {
+        /// The name.
+        name: String,
+        /// One of them.
+        one: PathBuf,
+        /// The other one.
+        other: PathBuf,
+    },
     /// No engine has this name.
     #[error("there is no engine `{name}`; there are {known}")]
     Unknown {
@@ -180,12 +190,8 @@ impl Engines {
         for file in files {
             let definition = Definition::read(&file)?;
             if let Some((other, name)) = added.iter().find(|(_, name)| *name == definition.name) {
-                let problem =
-                    format!("{} has the name `{name}` too: give each its own", other.display());
-                return Err(DefinitionError::Invalid {
-                    origin: file.display().to_string(),
-                    problem,
-                });
+                let (name, one) = (name.clone(), other.clone());
+                return Err(DefinitionError::SameName { name, one, other: file });
             }
             added.push((file, definition.name.clone()));
             self.add(definition);

@@ -212,7 +212,7 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
     python_files.truncate(6);
     let hint = match python_files.is_empty() {
         true => ", and no Python file at all".to_owned(),
-        false if python_files.iter().any(|name| name.ends_with(NOTEBOOK)) => {
+        false if python_files.iter().all(|name| name.ends_with(NOTEBOOK)) => {
             format!("; it has {}: {EXPORT} under these names", python_files.join(", "))
         }
         false => format!("; it has {}: rename them", python_files.join(", ")),

@@ -38,10 +38,10 @@ pub(super) fn section(
          <div class=\"sheet\">\n<a class=\"close\" href=\"#board\">Close</a>\n<h2>{name}</h2>\n\
          <p>{place}, score {}, {} points with a bonus of {}.</p>\n\
          <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Test</th>\
-         <th scope=\"col\" class=\"wide\">End</th><th scope=\"col\" class=\"number\">Points</th>\
+         <th scope=\"col\">End</th><th scope=\"col\" class=\"number\">Points</th>\
          <th scope=\"col\" class=\"number\">E<sub>RMS</sub></th>\
          <th scope=\"col\" class=\"number\">p<sub>bad</sub></th>\
-         <th scope=\"col\" class=\"number\">CPU s</th>\
+         <th scope=\"col\" class=\"number wide\">CPU s</th>\
          <th scope=\"col\" class=\"number wide\">Memory MB</th></tr></thead>\n<tbody>\n{rows}</tbody>\n\
          </table></div>\n{figures}\
          <p class=\"hint\">Added {}; hazcam {}{python}; {}.</p>\n</div>\n</section>\n",
@@ -64,8 +64,8 @@ fn row(result: &TestResult) -> String {
         max => format!("{} of {max}", result.points),
     };
     format!(
-        "<tr><td>{}</td><td class=\"wide\">{}</td><td class=\"number\">{points}</td><td class=\"number\">{}</td>\
-         <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number wide\">{}</td></tr>\n",
+        "<tr><td>{}</td><td>{}</td><td class=\"number\">{points}</td><td class=\"number\">{}</td>\
+         <td class=\"number\">{}</td><td class=\"number wide\">{}</td><td class=\"number wide\">{}</td></tr>\n",
         escaped(&result.name),
         match result.outcome {
             Outcome::Ok if result.max_points == 0.0 => "answered",

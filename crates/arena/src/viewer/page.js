@@ -38,8 +38,16 @@ function follow() {
 }
 window.addEventListener("hashchange", follow);
 window.addEventListener("keydown", (event) => {
-  if (event.key === "Escape" && document.querySelector("section.entrant:target")) {
-    location.hash = "#board";
-  }
+  if (event.key === "Escape" && document.querySelector("section.entrant:target")) close();
 });
+// What is closed takes no place among the pages to go back to.
+function close() {
+  location.replace("#board");
+}
+for (const link of document.querySelectorAll("a.close")) {
+  link.addEventListener("click", (event) => {
+    event.preventDefault();
+    close();
+  });
+}
 follow();

@@ -65,7 +65,7 @@ pub(super) fn figure(standings: &[Standing]) -> String {
         .collect();
     format!(
         "<figure class=\"scroll\">\n<svg class=\"pareto\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
-         role=\"img\" aria-label=\"Score over CPU time\">\n{}<path class=\"front\" d=\"{steps}\"/>\n\
+         role=\"group\" aria-label=\"Score over CPU time\">\n{}<path class=\"front\" d=\"{steps}\"/>\n\
          {marks}</svg>\n<figcaption>Score on the hold-out over its CPU time: lower and further left \
          is better. The line joins those whom nobody beats in both.</figcaption>\n</figure>\n",
         axes.draw()

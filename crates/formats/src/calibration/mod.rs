@@ -22,7 +22,7 @@ use raster::DisparityRange;
 
 use crate::FormatError;
 use crate::atomic::write_atomically;
-use crate::source::Source;
+use crate::source::{LONGEST_TEXT, Source};
 
 /// What a calibration file says.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -108,9 +108,6 @@ const EXACT: f64 = 1e-6;
 /// Principal points of a rectified pair may differ by so many rows: files are rounded.
 const SAME_ROW: f64 = 0.5;
 
-/// Calibration files are short; what is longer is something else.
-const LONGEST: usize = 1 << 20;
-
 /// Reads a calibration file; which layout it has is decided by its content.
 ///
 /// Errors: [`FormatError::WrongKind`] when it is no text or has none of the layouts,
@@ -137,10 +134,10 @@ pub fn write_calibration(
 pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
                   P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
-                  projection_matrix of ROS's right camera, or f= and baseline_m=; or give focal \
-                  length and baseline (--focal PX --baseline METRES)";
+                  projection_matrix of ROS's right camera, or f= and baseline_m=; or give the \
+                  focal length in pixels and the baseline in metres";
     let text = match std::str::from_utf8(&source.bytes) {
-        Ok(text) if text.len() <= LONGEST => text,
+        Ok(text) if text.len() as u64 <= LONGEST_TEXT => text,
         _ => return Err(source.wrong_kind("no short text", needed)),
     };
     // Some editors begin a text with a mark that is none of its letters.
@@ -153,8 +150,8 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
         return Err(source.wrong_kind(
             "Kalibr's calibration of cameras that are not rectified yet",
             "rectified ones are needed: rectify the images first (OpenCV: stereoRectify, \
-             initUndistortRectifyMap, remap), then give the P1 and P2 of stereoRectify, or --focal PX \
-             --baseline METRES",
+             initUndistortRectifyMap, remap), then give the P1 and P2 of stereoRectify, or the focal \
+             length in pixels and the baseline in metres",
         ));
     }
     if entries.has("cam0") {

@@ -33,7 +33,7 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
     let storage: Storage = yaml::read(entries, body)?;
     let (Some(left), Some(right)) = (storage.left, storage.right) else {
         let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
-                       give focal length and baseline (--focal PX --baseline METRES)";
+                       give the focal length in pixels and the baseline in metres";
         return Err(entries.fail(None, problem.into()));
     };
     let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];

@@ -35,8 +35,6 @@ const FLOATS: u16 = 3;
 const BACKWARDS: u32 = 2;
 /// The compression LZW.
 const LZW: u16 = 5;
-/// Kinds of further samples that are alpha, multiplied with the colours or not.
-const ALPHA: [u16; 2] = [1, 2];
 /// Grey with alpha, as the decoder calls it.
 const GREY_WITH_ALPHA_8: ColorType = ColorType::Multiband { bit_depth: 8, num_samples: 2 };
 const GREY_WITH_ALPHA_16: ColorType = ColorType::Multiband { bit_depth: 16, num_samples: 2 };
@@ -125,16 +123,13 @@ fn refuse_misread(
             ));
         }
     }
-    let others = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
-    let others = others.map_err(|error| explain(source, error))?.unwrap_or_default();
-    let of_colour = if matches!(color, ColorType::RGB(_) | ColorType::RGBA(_)) { 3 } else { 1 };
-    let has_alpha =
-        samples == of_colour + 1 && others.first().is_some_and(|kind| ALPHA.contains(kind));
-    if samples != of_colour && !has_alpha {
+    // Of samples that it does not know the decoder makes room for the others after it has undone what was done to
+    // all, or of tiles that overhang the picture.
+    let undoes = tag(Tag::Predictor)?.unwrap_or(1) != 1 || tag(Tag::TileWidth)?.is_some();
+    let known = color.num_samples();
+    if samples > u32::from(known) && undoes {
         return Err(source.wrong_kind(
-            format!(
-                "a TIFF of {samples} samples a pixel, of which {of_colour} have a known meaning"
-            ),
+            format!("a TIFF of {samples} samples a pixel, of which {known} have a known meaning"),
             "grey or RGB is needed, with alpha at most, marked as such: save it without the others",
         ));
     }

@@ -22,16 +22,15 @@ pub(super) struct Colouring {
 enum Scale {
     /// The picture's own.
     Own {},
-    /// Colours from `from` to `to` in equal steps.
-    Ramp { from: f32, to: f32, colours: Vec<[u8; 3]> },
+    /// Colours from `from` to `to`, in steps of equal size or else, `by_factor`, of equal factors.
+    Ramp { from: f32, to: f32, by_factor: bool, colours: Vec<[u8; 3]> },
     /// A colour and words for each number from 0 on.
     Palette(Vec<([u8; 3], String)>),
 }
 
 /// How finely ramps are stepped: as finely as colours are.
 const STEPS: usize = 256;
-/// Depths farther than this share of all get one colour: without that, a few far ones leave all others
-/// the same.
+/// Depths farther than this share of all get one colour: a few far ones would take the colours of all others.
 const FARTHEST: f64 = 0.95;
 
 /// All that there is something for.
@@ -43,17 +42,19 @@ pub(super) fn all(view: &View<'_>) -> Vec<Colouring> {
         all.push(Colouring { label: "Left image", of: "image", scale: Scale::Own {} });
     }
     let (from, to) = picture::value_range(view.disparities).unwrap_or((0.0, 1.0));
-    let scale = Scale::Ramp { from, to, colours: turbo.clone() };
+    let scale = Scale::Ramp { from, to, by_factor: false, colours: turbo.clone() };
     all.push(Colouring { label: "Disparity", of: "disparities", scale });
     if let Some((near, far)) = view.depths().and_then(|depths| near_and_far(&depths)) {
-        // As for disparities, near is red.
-        let scale = Scale::Ramp { from: far, to: near, colours: turbo };
+        // As for disparities, near is red. From where an error is as large as the disparity a point may be anywhere.
+        let anywhere = view.camera.map(|at| at.focal_px * at.baseline_m / view.disparity_error);
+        let far = anywhere.map_or(far, |anywhere| far.min(anywhere as f32).max(near));
+        let scale = Scale::Ramp { from: far, to: near, by_factor: true, colours: turbo };
         all.push(Colouring { label: "Depth", of: "depths", scale });
     }
     if view.confidence.is_some() {
         let ramp = Plane::from_fn(STEPS, 1, |at, _| at as f32 / (STEPS - 1) as f32);
         let colours = picture::confidence(&ramp).samples().iter().map(|&grey| [grey; 3]).collect();
-        let scale = Scale::Ramp { from: 0.0, to: 1.0, colours };
+        let scale = Scale::Ramp { from: 0.0, to: 1.0, by_factor: false, colours };
         all.push(Colouring { label: "Confidence", of: "confidence", scale });
     }
     if view.reasons.is_some() {

@@ -15,14 +15,22 @@ const count = (number) => number.toLocaleString("en");
 
 // ---- colours
 
+// How far on the way from the start of a ramp to its end a value is, and what lies there. One value is at the start.
+const partOf = ({ from, to, by_factor }) => {
+  if (from === to) return () => 0;
+  if (by_factor) return (value) => Math.log(value / from) / Math.log(to / from);
+  return (value) => (value - from) / (to - from);
+};
+const valueAt = ({ from, to, by_factor }, part) =>
+  by_factor ? from * (to / from) ** part : from + part * (to - from);
+
 // Red, green, blue and 255 of each pixel in one of the colourings.
 function coloursOf({ of, ramp, palette }) {
   if (!ramp && !palette) return maps[of];
   const table = ramp ? ramp.colours : palette.map(([colour]) => colour);
   const last = table.length - 1;
-  // One value has the colour of the start.
-  const each = ramp && (ramp.to === ramp.from ? 0 : last / (ramp.to - ramp.from));
-  const entryOf = (value) => Math.round(Math.min(last, Math.max(0, (value - ramp.from) * each)));
+  const part = ramp && partOf(ramp);
+  const entryOf = (value) => Math.round(last * Math.min(1, Math.max(0, part(value))));
   const black = [0, 0, 0];
   const colours = new Uint8ClampedArray(4 * columns * rows);
   maps[of].forEach((value, at) => {
@@ -48,7 +56,7 @@ function legendOf({ of, ramp, palette }) {
     return [list];
   }
   const stops = [0, 0.25, 0.5, 0.75, 1];
-  const values = stops.map((stop) => ramp.from + stop * (ramp.to - ramp.from));
+  const values = stops.map((stop) => valueAt(ramp, stop));
   const colours = ramp.colours.map((colour) => `rgb(${colour.join(" ")})`).join(",");
   const row = (texts) => {
     const row = make("div", "");
@@ -59,7 +67,7 @@ function legendOf({ of, ramp, palette }) {
   const bar = make("div", "", `background: linear-gradient(90deg, ${colours})`);
   bar.className = "bar";
   const metres = (depth) => (Number.isNaN(depth) ? "\u2013" : `${short(depth)} m`);
-  const pixels = (disparity) => `${disparity.toFixed(1)} px`;
+  const pixels = (disparity) => `${short(disparity)} px`;
   if (of === "confidence") return [bar, row(values.map((value) => short(value)))];
   if (of === "depths") {
     return [bar, row(values.map(metres)), row(values.map((depth) => pixels(disparityOf(depth))))];
@@ -260,6 +268,7 @@ function followPointers(canvas) {
     draw();
   }, { passive: false });
   canvas.addEventListener("keydown", (event) => {
+    if (isBrowsers(event)) return;
     going += 1;
     const arrow = arrowOf(event);
     const way = arrow?.map((part) => 24 * part);
@@ -276,6 +285,8 @@ function followPointers(canvas) {
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const arrowOf = (event) => ARROWS[event.key];
+// With these the browser zooms, or goes back.
+const isBrowsers = (event) => event.ctrlKey || event.altKey || event.metaKey;
 
 function followFlat(canvas) {
   [canvas.width, canvas.height] = [columns, rows];
@@ -287,7 +298,7 @@ function followFlat(canvas) {
   canvas.addEventListener("pointerdown", follow);
   canvas.addEventListener("keydown", (event) => {
     const arrow = arrowOf(event);
-    if (!arrow) return;
+    if (!arrow || isBrowsers(event)) return;
     event.preventDefault();
     const [right, down] = arrow.map((part) => part * (event.shiftKey ? 10 : 1));
     const at = pixel ?? Math.floor(rows / 2) * columns + Math.floor(columns / 2);

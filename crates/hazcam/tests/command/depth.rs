@@ -26,10 +26,17 @@ fn how_far_depth_is_good_is_printed() {
 #[test]
 fn guesses_are_told_of_where_nobody_leaves_them_out() {
     let folder = folder();
-    folder.disparities("full.pfm", &[50.0, 100.0, 20.0, 40.0, 10.0]);
-    let told = |more: &str| folder.run(&format!("depth full.pfm {CAMERA} {more}")).done().stderr;
-    assert!(told("").contains("--holes keep"), "{}", told(""));
+    let told = |more: &str| folder.run(&format!("depth d.pfm {CAMERA} {more}")).done().stderr;
+    assert_eq!(told(""), "");
+    let record =
+        r#"{"reasons": {"matched": 0.6, "occluded-filled": 0.15, "mismatched-hole": 0.25}}"#;
+    std::fs::write(folder.path("d.pfm.json"), record).unwrap();
+    assert!(told("").contains("20.0 % of the disparities were filled in"), "{}", told(""));
     assert_eq!(told("--confidence sure.pfm --min-confidence 0.5"), "");
+    for record in [r#"{"reasons": {"matched": 1}}"#, "[1, 2", "{}"] {
+        std::fs::write(folder.path("d.pfm.json"), record).unwrap();
+        assert_eq!(told(""), "", "{record}");
+    }
 }
 
 #[test]

@@ -239,7 +239,7 @@ fn a_browser_shows_the_points_in_the_colours_that_are_chosen() {
     }
     choose(&mut browser, "Disparity");
     let legend = text(&mut browser, "#legend");
-    for part in ["20.0 px", "40.0 px", "1.6 m", "0.8 m"] {
+    for part in ["20 px", "40 px", "1.6 m", "0.8 m"] {
         assert!(legend.contains(part), "{legend}");
     }
     assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());

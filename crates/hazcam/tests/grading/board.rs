@@ -131,7 +131,7 @@ fn what_nobody_may_see_is_kept_from_submissions() {
     let folder = folder.to_str().unwrap();
     for board in ["board.sqlite", "below/../board.sqlite"] {
         let board = format!("{folder}/{board}");
-        std::fs::create_dir_all(format!("{folder}/below")).unwrap();
+        fs::create_dir_all(format!("{folder}/below")).unwrap();
         let (status, stdout, stderr) = course.run(&with(&[folder, "--board", &board]));
         assert_eq!((status, stdout.as_str()), (2, ""), "{stderr}");
         assert!(stderr.contains("board.sqlite lies in the submission"), "{stderr}");

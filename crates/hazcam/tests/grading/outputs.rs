@@ -143,7 +143,7 @@ fn mistakes_on_the_command_line_are_named() {
     for (arguments, words) in [
         (
             &["--matcher", "fast", "--engines", "engines"][..],
-            "other.toml defines no engine: engines/one.toml has",
+            "engines/one.toml and engines/other.toml both define `mine`",
         ),
         (
             &["--matcher", "fast", "--engines", "engines", "-o", "engines/one.toml"],

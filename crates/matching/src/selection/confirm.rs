@@ -14,9 +14,8 @@
 //!   the shape that absolute differences have around their minimum: `(a - b) / (2 (max(a, b) - c))`
 //!   (Shimizu & Okutomi 2001); 0 at the ends of the range.
 //! * **The confidence** is `(max(a, b) - c) / max(a, b)`: 1 for a sum of zero among others, near 0
-//!   for a flat valley, as blank walls have, and 0 at the ends of the range, beyond which things may go on. At
-//!   disparity 0 they cannot, so there the sum after the winner counts for both. A measure of our own, after the
-//!   margins that Hu & Mordohai compare (PAMI 2012).
+//!   for a flat valley, as blank walls have, and 0 at the ends of the range, beyond which things may go on. A measure of our own, after the margins that Hu & Mordohai
+//!   compare (PAMI 2012).
 
 use crate::kernels::level::at_every_level;
 use crate::kernels::look_up::{LANES, LookUp};
@@ -96,10 +95,9 @@ fn evaluate(
     let n = disparities.len();
     let (index, opposite, confidence) = (&index[..n], &opposite[..n], &mut confidence[..n]);
     let (least, before, after) = (&least[..n], &before[..n], &after[..n]);
-    let [mut is_found, mut is_inner, mut is_infinite] = [[0u16; BLOCK]; 3];
+    let (mut is_found, mut is_inner) = ([0u16; BLOCK], [0u16; BLOCK]);
     let (is_found, is_inner) = (&mut is_found[..n], &mut is_inner[..n]);
-    let is_infinite = &mut is_infinite[..n];
-    let (compared, infinity) = (last > 0, numbers.begins_at_infinity());
+    let compared = last > 0;
     for i in 0..n {
         let inner = index[i] < last;
         let blank = (index[i].min(opposite[i]) == 0) & inner & (least[i] == after[i]);
@@ -107,15 +105,13 @@ fn evaluate(
         let found = (u16::from(least[i]) < OUT.into()) & confirmed & !blank & compared;
         is_found[i] = u16::from(found).wrapping_neg();
         is_inner[i] = u16::from(inner).wrapping_neg();
-        is_infinite[i] = u16::from(infinity & (index[i] == 0)).wrapping_neg();
     }
     let mut nearest_steps = [0u16; BLOCK];
     let nearest_steps = &mut nearest_steps[..n];
     for i in 0..n {
-        let (inner, infinite) = (is_inner[i], is_infinite[i]);
+        let inner = is_inner[i];
         let after = u16::from(after[i]) & inner | u16::from(OUT) & !inner;
-        let before = after & infinite | u16::from(before[i]) & !infinite;
-        let valley = valley(before, least[i], after);
+        let valley = valley(before[i], least[i], after);
         nearest_steps[i] = nearest((f32::from(index[i]) + valley.fraction) * scale) as u16;
         confidence[i] = masked(valley.confidence, is_found[i]);
     }
@@ -137,7 +133,7 @@ struct Valley {
 }
 
 #[inline(always)]
-fn valley(before: u16, least: u8, after: u16) -> Valley {
+fn valley(before: u8, least: u8, after: u16) -> Valley {
     let (before, least, after) = (f32::from(before), f32::from(least), f32::from(after));
     let higher = before.max(after);
     let rise = higher - least;
@@ -171,23 +167,6 @@ mod tests {
             winners.right_index[x + layout.shift(index.into())] = opposite.into();
         }
         winners
-    }
-
-    #[test]
-    fn at_disparity_0_the_sum_after_it_counts_for_both_at_every_level() {
-        for (min, sure) in [(0, 1.0 / 3.0), (-1, 0.0), (1, 0.0)] {
-            let range = DisparityRange::new(min, min + 2).unwrap();
-            let bounds = BoundingBox::new(50, 0, 50, 0).unwrap();
-            let space = SearchSpace::new(400, bounds, range);
-            let (numbers, layout) = (FixedPoint::new(&space), Layout::new(&space));
-            let winners = winners(&[[0, 4, OUT, 6, 0]], &layout);
-            for level in Level::available() {
-                eprintln!("level {}", level.name());
-                let (mut found, mut confidence) = ([7], [7.0]);
-                confirm_row(level, &winners, &layout, numbers, &mut found, &mut confidence);
-                assert_eq!((numbers.pixels(found[0]), confidence[0]), (min as f32, sure));
-            }
-        }
     }
 
     #[test]

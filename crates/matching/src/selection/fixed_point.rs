@@ -32,11 +32,6 @@ impl FixedPoint {
         Self { min: space.min, scale }
     }
 
-    /// Whether the smallest disparity is 0, beyond which nothing lies.
-    pub fn begins_at_infinity(self) -> bool {
-        self.min == 0
-    }
-
     /// Steps in a pixel.
     pub fn scale(self) -> u16 {
         self.scale
@@ -48,12 +43,12 @@ impl FixedPoint {
     }
 
     /// What lies within half a pixel of the ends of the range that is searched: steps below the first number, and
-    /// those from the second on. At disparity 0 things are infinitely far, and nothing is beyond.
+    /// those from the second on.
     pub fn ends(self, range: DisparityRange) -> [u16; 2] {
         let half = self.scale / 2;
         let last = usize::from(self.scale) * (range.count() - 1);
-        let nearest = last.saturating_sub(half.into()).min(HOLE.into()) as u16;
-        if self.begins_at_infinity() { [0, nearest] } else { [half + 1, nearest] }
+        let nearest = last.saturating_sub(half.into()) as u16;
+        [half + 1, nearest]
     }
 
     /// The disparity in pixels; NaN for a [`HOLE`].

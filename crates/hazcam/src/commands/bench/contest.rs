@@ -55,9 +55,10 @@ impl Contest {
             machine: this_machine(),
         };
         let Outcome { records, unreadable, .. } = conduct(&plan, &mut output, ui)?;
-        // What cannot be kept shall at least be seen.
-        ui.print(&output.shown(&records, self.reference.as_deref()))?;
+        // What cannot be kept shall at least be seen, and what cannot be shown be kept.
+        let shown = ui.print(&output.shown(&records, self.reference.as_deref()));
         output.finish(&records, self.reference.as_deref())?;
+        shown?;
         if let Some(place) = output.place() {
             ui.note(place);
         }
@@ -68,21 +69,10 @@ impl Contest {
         let own_failed = records
             .iter()
             .any(|record| record.status.message().is_some() && is_own(&record.engine));
-        let has_answered = |name: &&str| {
-            let mut of_engine = records.iter().filter(|record| record.engine == **name);
-            of_engine.any(|record| record.status.message().is_none())
-        };
-        // Where no scene could be read nobody was asked.
         let called = engines.called().chain(self.reference.as_deref());
-        let called = called.filter(|_| !records.is_empty());
-        let silent: BTreeSet<&str> = called.filter(|name| !has_answered(name)).collect();
-        for name in &silent {
-            let mut of_engine = records.iter().filter(|record| record.engine == *name);
-            let why = of_engine.find_map(|record| record.status.message());
-            let why = why.map(|why| format!(": {}", printable(why))).unwrap_or_default();
-            ui.fail(format_args!("{name} was asked for and has given no answer on any scene{why}"));
-        }
-        if own_failed || unreadable > 0 || records.is_empty() || !silent.is_empty() {
+        let ends = records.iter().map(|record| (&*record.engine, record.status.message()));
+        let all_told = tell_silent(called, &ends.collect::<Vec<_>>(), ui);
+        if own_failed || unreadable > 0 || records.is_empty() || !all_told {
             return Ok(cli::ERROR.into());
         }
         let broken = match &self.limits {
@@ -92,6 +82,29 @@ impl Contest {
         broken.iter().for_each(|line| ui.fail(line));
         Ok(if broken.is_empty() { ExitCode::SUCCESS } else { cli::THRESHOLD_FAILED.into() })
     }
+}
+
+/// Says which of the engines that were called have given no answer at all, and why; whether all have. How each of them
+/// ended is told by its name and what went wrong, if anything did.
+pub fn tell_silent<'a>(
+    called: impl Iterator<Item = &'a str>,
+    ends: &[(&str, Option<&str>)],
+    ui: &Ui,
+) -> bool {
+    // Where nothing could be read nobody was asked.
+    let called: BTreeSet<&str> = called.filter(|_| !ends.is_empty()).collect();
+    let mut all_told = true;
+    for name in called {
+        let of_engine = ends.iter().filter(|(engine, _)| *engine == name);
+        let problems: Vec<Option<&str>> = of_engine.map(|(_, problem)| *problem).collect();
+        if problems.iter().all(Option::is_some) {
+            let why = problems.first().copied().flatten();
+            let why = why.map(|why| format!(": {}", printable(why))).unwrap_or_default();
+            ui.fail(format_args!("{name} was asked for and has given no answer at all{why}"));
+            all_told = false;
+        }
+    }
+    all_told
 }
 
 /// The machine with the vector instructions that the presets use.

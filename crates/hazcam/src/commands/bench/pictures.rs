@@ -4,12 +4,10 @@ use std::path::Path;
 
 use arena::dataset::CaseData;
 use arena::engine::Answer;
+use camera::DISPARITY_ERROR;
 use formats::picture::{self, ColourMap};
 use formats::{View, write_view};
 use raster::{Image, Plane};
-
-/// What a page tells the depths' uncertainty for, in pixels.
-const DISPARITY_ERROR: f64 = 0.5;
 
 /// The colours of a scene's disparities, the same for the truth and all matchers.
 fn colour_range(data: &CaseData) -> (f32, f32) {

@@ -139,6 +139,7 @@ impl Tables<'_> {
         let mut lines: Vec<String> = report::failures(self.records)
             .into_iter()
             .map(|failure| format!("{}, {}: {}", failure.case, failure.engine, failure.status))
+            .map(|line| report::printable(&line))
             .collect();
         let differ = self.records.iter().filter(|record| record.repeatable == Some(false));
         lines.extend(differ.map(|record| {

@@ -9,7 +9,7 @@ use arena::board::{
     tests_fingerprint,
 };
 use arena::grade::output::text;
-use arena::grade::{Entrant, Outcome, Scene, Scheme};
+use arena::grade::{Entrant, Outcome, Scene};
 use arena::record::Machine;
 use arena::submission::is_secret_id;
 
@@ -73,10 +73,8 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     GradingArguments::keep_from(args.entrant.submission(), &secrets)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
-    let (mut board, holdout, scene) = open(path, args.holdout.as_deref(), workshop.scheme())?;
-    GradingArguments::keep_from(args.entrant.submission(), &scene.secrets)?;
+    let (mut board, holdout, scene) = open(path, args, &workshop)?;
     // What is refused in the end is refused before the work.
-    workshop.check_scenes()?;
     let tests = tests_fingerprint(workshop.tests());
     board.admit_tests(owner, (&workshop.scheme().name, &tests))?;
     let given = args.secret_id.clone().or(args.entrant.matcher()).filter(|id| is_secret_id(id));
@@ -155,12 +153,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 }
 
 /// The board, begun if there is none, with its hold-out as it was when the board was begun.
-fn open(
-    path: &Path,
-    given: Option<&Path>,
-    scheme: &Scheme,
-) -> anyhow::Result<(Board, Holdout, Scene)> {
-    let path = &std::path::absolute(path)?;
+fn open(path: &Path, args: &Args, workshop: &Workshop) -> anyhow::Result<(Board, Holdout, Scene)> {
+    let scheme = workshop.scheme();
+    let (path, given) = (&std::path::absolute(path)?, args.holdout.as_deref());
     let is_begun = path.metadata().is_ok_and(|found| found.len() > 0);
     let begun = is_begun.then(|| Board::open(path)).transpose()?;
     let holdout = match (given, &begun) {
@@ -178,9 +173,11 @@ fn open(
             if begun.is_some() { "" } else { ", or the hold-out" },
         );
     }
+    workshop.check_scenes()?;
     let mut scene = holdout.load(path, &scenes::render)?;
     // It may name the seed.
     scene.secrets.extend(given.map(Path::to_owned));
+    GradingArguments::keep_from(args.entrant.submission(), &scene.secrets)?;
     let fingerprint = holdout.fingerprint(&scene);
     let board = match begun {
         Some(board) => board,
@@ -191,7 +188,7 @@ fn open(
     }
     if !is_begun {
         // Somebody else began it in the meantime.
-        return open(path, given, scheme);
+        return open(path, args, workshop);
     }
     bail!(
         "the board {} ranks on another hold-out{}: entries on different ones cannot be compared; \

@@ -13,6 +13,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
+use crate::arguments::or_variable;
 use crate::ui::Ui;
 
 /// Rank entrants on a hold-out that none of them has: a leaderboard in one file
@@ -34,12 +35,21 @@ Examples:
   hazcam board export board.html")]
 pub struct Args {
     /// The board's file. Keep it to yourself: it holds the hold-out
-    #[arg(long, global = true, value_name = "FILE", default_value = "board.sqlite")]
-    #[arg(env = "HAZCAM_BOARD", hide_env_values = true)]
+    #[arg(long, global = true, value_name = "FILE", default_value = BOARD)]
+    #[arg(env = VARIABLE, hide_env_values = true)]
     board: PathBuf,
 
     #[command(subcommand)]
     command: Command,
+}
+
+/// The board's file where none is named, and what names one.
+const BOARD: &str = "board.sqlite";
+const VARIABLE: &str = "HAZCAM_BOARD";
+
+/// Where the board lies for commands that are not told.
+pub fn place() -> PathBuf {
+    or_variable(None, VARIABLE).unwrap_or_else(|| BOARD.into())
 }
 
 #[derive(Subcommand)]

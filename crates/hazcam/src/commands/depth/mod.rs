@@ -33,8 +33,8 @@ The format of a depth map follows its extension:
   .tiff  metres, float32, NaN where there is none
   .png   millimetres, 16 bit, 0 where there is none (as ROS has it): up to 65.535 m
 Points are in the left camera's axes, in metres: X to the right, Y down, Z forward.
-Pixels that were filled without a match count like the others, though their depth is a guess: leave them
-out by --confidence and --min-confidence, or keep holes when you match.
+Pixels that were filled without a match count like the others, though their depth is a guess: leave
+them out by --confidence and --min-confidence, or keep holes when you match.
 
 Examples:
   hazcam depth d.pfm --calibration calib.txt --confidence sure.pfm --min-confidence 0.5 -o depth.npy
@@ -82,8 +82,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     uncertainty: Option<PathBuf>,
 
-    /// By how much disparities are off, in pixels. Of pixels that balanced and best are sure of (from 0.5),
-    /// 95 of 100 are off by less than 1, half of them by less than 0.3
+    /// By how much disparities are off, in pixels. Of pixels that balanced and best are sure of, from 0.5 on,
+    /// 95 of 100 are off by less than about 1, half of them by less than 0.3
     #[arg(long, value_name = "PX", default_value_t = DISPARITY_ERROR, help_heading = "Output")]
     #[arg(value_parser = arguments::positive, allow_negative_numbers = true)]
     disparity_error: f64,
@@ -129,11 +129,12 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if let Some(doubt) = counts.doubt(&map.disparities, &camera) {
         ui.warn(doubt);
     }
-    if confidence.is_none() && counts.without_disparity == 0 {
-        ui.note(
-            "every pixel has a disparity, those without a match too, whose depth is a guess: leave them out by \
+    if let Some(filled) = map.filled().filter(|_| confidence.is_none()) {
+        ui.note(format_args!(
+            "{:.1} % of the disparities were filled in without a match, so their depth is a guess: leave them out by \
              --confidence and --min-confidence, or match with --holes keep",
-        );
+            100.0 * filled,
+        ));
     }
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);
     match args.json {

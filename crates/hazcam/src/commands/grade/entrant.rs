@@ -47,11 +47,13 @@ impl EntrantArguments {
         self.matcher.clone()
     }
 
-    /// The files in the folder of engines, if there is one.
+    /// The files that define engines, if it is engines and there is a folder of them.
     pub fn engine_files(&self) -> Vec<PathBuf> {
-        let folder = or_variable(self.engines.as_deref(), "HAZCAM_ENGINES");
-        let entries = folder.and_then(|folder| folder.read_dir().ok());
-        entries.into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+        let folder = self.matcher.as_ref();
+        let folder = folder.and_then(|_| or_variable(self.engines.as_deref(), "HAZCAM_ENGINES"));
+        let entries = folder.and_then(|folder| folder.read_dir().ok()).into_iter().flatten();
+        let files = entries.flatten().map(|entry| entry.path());
+        files.filter(|file| file.extension().is_some_and(|end| end == "toml")).collect()
     }
 
     /// The submission's name without folder and endings, or the engines' names.

@@ -204,7 +204,8 @@ impl GradingArguments {
             let tested = |case: &&Case| scheme.tests.iter().any(|test| test.scene == case.id);
             let files = cases.iter().filter(tested).filter_map(Case::files);
             all.extend(files.flat_map(|files| files.all()).map(Path::to_owned));
-            all.push(folder.join("scenes.json"));
+            let catalogue = folder.join("scenes.json");
+            all.extend(Some(catalogue).filter(|catalogue| catalogue.is_file()));
         }
         all
     }

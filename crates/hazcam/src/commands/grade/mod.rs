@@ -14,6 +14,7 @@ use anyhow::bail;
 use arena::grade::output::{autolab, gradescope, junit, text};
 use arena::grade::{COURSE, Outcome, Report, Scheme};
 
+use super::board;
 use crate::cli::{ERROR, THRESHOLD_FAILED};
 use crate::outputs::{self, Output};
 use crate::ui::Ui;
@@ -92,8 +93,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
     args.check_output(workshop.scheme())?;
-    let scenes = args.grading.scene_files(workshop.scheme());
-    GradingArguments::keep_from(args.entrant.submission(), &scenes)?;
+    let mut secrets = args.grading.scene_files(workshop.scheme());
+    secrets.extend(Some(board::place()).filter(|board| board.is_file()));
+    GradingArguments::keep_from(args.entrant.submission(), &secrets)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     let grader = workshop.grader()?;
     args.grading.warn_if_unconfined(ui);

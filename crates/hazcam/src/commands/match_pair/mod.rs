@@ -172,9 +172,14 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
+        let off = vertical.disparity_error();
         let advice = match vertical.largest() > VerticalDisparity::BADLY_RECTIFIED {
-            true => "; rectify the cameras anew if you can",
-            false => "",
+            _ if off > VerticalDisparity::TELLING => format!(
+                "; for the same reason disparities may be off by up to {off:.1} px towards the edges, which is not \
+                 mended and which confidence does not know: rectify the cameras anew"
+            ),
+            true => "; rectify the cameras anew if you can".into(),
+            false => String::new(),
         };
         ui.note(format_args!(
             "{}: things stand up to {:.1} px higher or lower than on the left ({:.2} px rms), which was \

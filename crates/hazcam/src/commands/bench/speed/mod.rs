@@ -6,7 +6,6 @@
 mod report;
 mod sizes;
 
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -15,7 +14,7 @@ use arena::report::Format;
 use arena::speed::{self, Event, PEERS, Record, Run, Setting};
 use matching::Preset;
 
-use super::contest::{tell_absent, this_machine};
+use super::contest::{tell_absent, tell_silent, this_machine};
 use super::engines::EngineArguments;
 use super::into::{Page, command_line};
 use super::scenes::{SceneArguments, matching};
@@ -97,25 +96,18 @@ impl SpeedArguments {
                         None => Ok(()),
                     }
                 })?;
-                let has_answered = |name: &&str| {
-                    let mut all = runs.iter().flat_map(|run| &run.measurements);
-                    all.any(|found| found.engine == *name && found.status.message().is_none())
-                };
-                let called = engines.called().filter(|_| !runs.is_empty());
-                let silent: BTreeSet<&str> = called.filter(|name| !has_answered(name)).collect();
-                for name in &silent {
-                    ui.fail(format_args!(
-                        "{name} was asked for and has given no answer on any size"
-                    ));
-                }
-                complete = runs.len() == asked && silent.is_empty();
+                let all = runs.iter().flat_map(|run| &run.measurements);
+                let ends = all.map(|found| (&*found.engine, found.status.message()));
+                let all_told = tell_silent(engines.called(), &ends.collect::<Vec<_>>(), ui);
+                complete = runs.len() == asked && all_told;
                 runs
             }
         };
-        ui.print(&report::show(&runs, format))?;
-        if let Some(page) = page {
+        let shown = ui.print(&report::show(&runs, format));
+        if let Some(page) = page.filter(|_| !kept.runs.is_empty()) {
             page.put(&report::for_page(&kept.runs))?;
         }
+        shown?;
         Ok(match complete && runs.iter().all(own_have_answered) {
             true => ExitCode::SUCCESS,
             false => cli::ERROR.into(),

@@ -1,6 +1,6 @@
 //! Runs as text: tables, what their columns mean, and how it was measured.
 
-use arena::report::{Format, Table};
+use arena::report::{Format, Table, printable};
 use arena::speed::{self, Record, Run};
 
 use crate::wrap::wrapped;
@@ -69,6 +69,7 @@ fn failures(runs: &[Run]) -> Vec<String> {
     let all = runs.iter().flat_map(|run| run.measurements.iter().map(move |found| (run, found)));
     all.filter(|(_, found)| found.status.message().is_some())
         .map(|(run, found)| format!("{}, {}: {}", run.scene, found.engine, found.status))
+        .map(|line| printable(&line))
         .collect()
 }
 
