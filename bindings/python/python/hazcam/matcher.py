@@ -48,9 +48,10 @@ class Matcher:
 
     Notes
     -----
-    An interrupt (Ctrl-C) is heard when the frame is done. It keeps its memory from frame to frame. Several Python threads may share one: frames wait for
-    each other, and other Python threads run while it matches. A process that was forked off needs
-    one of its own. The Rust crate ``hazcam-matching`` does the work.
+    It keeps its memory from frame to frame. Several Python threads may share one: frames wait for
+    each other, and other Python threads run while it matches. An interrupt (Ctrl-C) is heard when
+    the frame is done. A process that was forked off needs one of its own. The Rust crate
+    ``hazcam-matching`` does the work.
 
     One can be pickled and copied: what comes out is another matcher with the same options, so
     ``multiprocessing`` may be given one to send to its processes.

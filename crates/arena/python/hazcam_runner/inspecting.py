@@ -40,7 +40,10 @@ def _look(path, name):
     with open(path, "rb") as file:
         source = file.read()
     if source.lstrip().startswith(b"{") and b'"cells"' in source:
-        text = "it is a notebook: export it as Python (jupyter nbconvert --to script, or File > Save as .py)"
+        text = (
+            "it is a notebook: export it as Python (jupyter nbconvert --to script, "
+            "or File > Save as .py)"
+        )
         yield None, text, True
         return
     try:

@@ -9,7 +9,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
-use matching::{Doubt, Holes, Matcher, Options, Preset, VerticalDisparity, doubts};
+use matching::{
+    Blurred, Doubt, Holes, Matcher, Options, Preset, VerticalDisparity, are_compressed, blurred,
+    doubts,
+};
 use raster::{BoundingBox, DisparityRange, Image};
 
 use crate::arguments::{self, GivenBox};
@@ -152,6 +155,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             }
         }
     }
+    tell_of_images(&args, &left, &right, ui);
     let (options, assumed) = options(&args, left.columns())?;
     if let Some(assumed) = assumed {
         ui.note(assumed);
@@ -215,6 +219,26 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.print(&profile::table(&matcher, bounds))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Says what is doubtful about the images.
+fn tell_of_images(args: &Args, left: &Image, right: &Image, ui: &Ui) {
+    let (left_name, right_name) = (args.left.display(), args.right.display());
+    if are_compressed(left, right) {
+        ui.note(format_args!(
+            "{left_name} and {right_name} show the blocks of 8 x 8 pixels of a compression, which are in the same \
+             places of both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
+        ));
+    }
+    let (less, more, ratio) = match blurred(left, right) {
+        Some(Blurred::Left(ratio)) => (left_name, right_name, ratio),
+        Some(Blurred::Right(ratio)) => (right_name, left_name, ratio),
+        None => return,
+    };
+    ui.note(format_args!(
+        "{more} has {ratio:.1} times as much fine detail as {less}: is one out of focus, moved, of another resolution \
+         or noisier? Where edges are blurred in one image alone matches are off, and may be sure"
+    ));
 }
 
 /// Says what is doubtful, what it may come from, and what to do.

@@ -1,8 +1,11 @@
 //! What makes an answer doubtful though no rule was broken: little matched, or what matched
-//! piles up at an end of the range, or the images have few of the grey levels that their samples can tell
-//! apart.
+//! piles up at an end of the range. What makes images doubtful stands in [`images`].
 
-use raster::{BoundingBox, DisparityMap, DisparityRange, Image, Reason};
+mod images;
+
+use raster::{BoundingBox, DisparityMap, DisparityRange, Reason};
+
+pub use images::{Blurred, are_compressed, blurred, few_bits, few_levels};
 
 /// With a smaller share of the answered pixels matched, the two are hardly a pair with that range. Of
 /// Middlebury's, KITTI's and ETH3D's scenes 40 % and more are matched; of exchanged images, and of rows that are off
@@ -17,13 +20,6 @@ const NARROW: usize = 64;
 const MANY: f64 = 0.03;
 /// With a larger share of the matched pixels within half a pixel of disparity 0, much is infinitely far.
 const MANY_INFINITE: f64 = 0.2;
-/// Cameras give 10, 12 or 14 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
-/// black. Steps of grey are what matching lives on, so it wants them over all 16 bits. Up to so many bits,
-/// the others are taken as never used.
-const FEW_BITS: u32 = 14;
-/// Of 65536 levels of grey fewer are few: those of a thermal camera may lie far from 0.
-const FEW_LEVELS: u32 = 1 << 12;
-
 /// What there is to doubt about an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doubt {
@@ -80,28 +76,6 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     doubts
 }
 
-/// How many of 16 bits the samples of a pair use, where they leave many unused. `None` where they do not,
-/// for samples of 8 bits, and for black images, of which there is nothing to tell.
-pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
-    if left.depth() < u16::BITS || right.depth() < u16::BITS {
-        return None;
-    }
-    let used = left.bits_used().max(right.bits_used());
-    (1..=FEW_BITS).contains(&used).then_some(used)
-}
-
-/// Between which of 65536 levels of grey all samples of a pair lie, where these are few though the upper bits are used:
-/// steps of grey are what matching lives on. `None` where they are not few, for samples of 8 bits and where
-/// [`few_bits`] has told already.
-pub fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
-    if left.depth() < u16::BITS || right.depth() < u16::BITS || few_bits(left, right).is_some() {
-        return None;
-    }
-    let [[least, most], [least_right, most_right]] = [left.extremes()?, right.extremes()?];
-    let (least, most) = (least.min(least_right), most.max(most_right));
-    (least < most && most - least < FEW_LEVELS).then_some([least, most])
-}
-
 /// The disparities of the matched pixels of a box.
 fn matched(map: &DisparityMap, bounds: BoundingBox) -> Vec<f32> {
     (bounds.y0..=bounds.y1)
@@ -116,8 +90,6 @@ fn matched(map: &DisparityMap, bounds: BoundingBox) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
-    use raster::Plane;
-
     use super::*;
 
     /// The doubts about 100 columns of which some are matched, each at a disparity.
@@ -157,23 +129,5 @@ mod tests {
         assert_eq!(about(100, &at(14.0), (0, 14)), []);
         let four = 4.0 / 52.0;
         assert_eq!(about(100, &[(48, 10.0), (4, 14.0)], (0, 14)), [Doubt::Nearer(four)]);
-    }
-
-    #[test]
-    fn few_of_16_bits_are_seen_unless_one_image_uses_more() {
-        let deep = |largest| Image::Grey16(Plane::filled(2, 1, largest));
-        assert_eq!(few_bits(&deep(0x0fff), &deep(3)), Some(12));
-        assert_eq!(few_bits(&deep(0x3fff), &deep(3)), Some(14));
-        assert_eq!(few_bits(&deep(0x4000), &deep(3)), None);
-        assert_eq!(few_bits(&deep(3), &deep(0x4000)), None);
-        assert_eq!(few_bits(&deep(0), &deep(0)), None);
-        let shallow = Image::Grey8(Plane::filled(2, 1, 3));
-        assert_eq!(few_bits(&deep(3), &shallow), None);
-        assert_eq!(few_bits(&shallow, &deep(3)), None);
-        assert_eq!(few_levels(&deep(30_000), &deep(30_255)), Some([30_000, 30_255]));
-        assert_eq!(few_levels(&deep(30_000), &deep(34_096)), None);
-        assert_eq!(few_levels(&deep(3000), &deep(3255)), None, "few bits");
-        assert_eq!(few_levels(&shallow, &deep(30_000)), None);
-        assert_eq!(few_levels(&deep(65_535), &deep(65_535)), None, "there is nothing to spread");
     }
 }

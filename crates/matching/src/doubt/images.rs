@@ -1,0 +1,189 @@
+//! What makes a pair of images doubtful before anything is matched: few of the grey levels that samples can tell apart,
+//! blocks of compression, one that is less sharp than the other.
+
+use raster::{Image, Plane};
+
+/// Cameras give 10, 12 or 14 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
+/// black. Steps of grey are what matching lives on, so it wants them over all 16 bits. Up to so many bits,
+/// the others are taken as never used.
+const FEW_BITS: u32 = 14;
+/// Of 65536 levels of grey fewer are few: those of a thermal camera may lie far from 0.
+const FEW_LEVELS: u32 = 1 << 12;
+/// The side of the blocks of JPEG and of most videos, in pixels.
+const BLOCK: usize = 8;
+/// Steps of grey count up to this many values, so that edges of things do not hide those of blocks.
+const LARGEST_STEP: f32 = 6.0;
+/// Steps at the borders of blocks are so many times as large as within, in both directions of both images. Of 64 pairs of
+/// Middlebury, KITTI, ETH3D and others none comes to more than 1.04; with JPEG of quality 80 and less mostly more.
+const BLOCKY: f64 = 1.13;
+/// Fine detail, beside coarse detail, is so many times as strong in one image as in the other. Of the same pairs none
+/// comes to more than 1.75; where one image was out of focus by 2 px, or at half the resolution, mostly more.
+const UNEQUAL: f64 = 1.9;
+/// Coarse detail is what changes over so many pixels.
+const COARSE: usize = 8;
+/// Smaller images say too little about either.
+const SMALLEST: usize = 64;
+
+/// How many of 16 bits the samples of a pair use, where they leave many unused. `None` where they do not,
+/// for samples of 8 bits, and for black images, of which there is nothing to tell.
+pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
+    if left.depth() < u16::BITS || right.depth() < u16::BITS {
+        return None;
+    }
+    let used = left.bits_used().max(right.bits_used());
+    (1..=FEW_BITS).contains(&used).then_some(used)
+}
+
+/// Between which of 65536 levels of grey all samples of a pair lie, where these are few though the upper bits are used:
+/// steps of grey are what matching lives on. `None` where they are not few, for samples of 8 bits and where
+/// [`few_bits`] has told already.
+pub fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
+    if left.depth() < u16::BITS || right.depth() < u16::BITS || few_bits(left, right).is_some() {
+        return None;
+    }
+    let [[least, most], [least_right, most_right]] = [left.extremes()?, right.extremes()?];
+    let (least, most) = (least.min(least_right), most.max(most_right));
+    (least < most && most - least < FEW_LEVELS).then_some([least, most])
+}
+
+/// Whether both images show the blocks of a compression, which stand in the same places of both and are matched at
+/// multiples of their side.
+pub fn are_compressed(left: &Image, right: &Image) -> bool {
+    [left, right].iter().all(|image| {
+        let grey = image.to_grey_f32();
+        is_large(&grey) && blockiness(&grey).min(blockiness(&turned(&grey))) > BLOCKY
+    })
+}
+
+/// Which image is less sharp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Blurred {
+    /// The left one: the other has so many times as much fine detail.
+    Left(f64),
+    /// The right one.
+    Right(f64),
+}
+
+/// Which image of a pair is clearly less sharp, or less noisy, than the other: blurred edges match sharp ones at one of
+/// their ends.
+pub fn blurred(left: &Image, right: &Image) -> Option<Blurred> {
+    let [left, right] = [left, right].map(Image::to_grey_f32);
+    if !is_large(&left) || left.size() != right.size() {
+        return None;
+    }
+    let along = fineness(&left) / fineness(&right);
+    let across = fineness(&turned(&left)) / fineness(&turned(&right));
+    let [more, less] = [along.max(across), 1.0 / along.min(across)];
+    if more.max(less) <= UNEQUAL || !more.max(less).is_finite() {
+        return None;
+    }
+    Some(if more > less { Blurred::Right(more) } else { Blurred::Left(less) })
+}
+
+fn is_large(grey: &Plane<f32>) -> bool {
+    grey.columns().min(grey.rows()) >= SMALLEST
+}
+
+/// Columns as rows.
+fn turned(grey: &Plane<f32>) -> Plane<f32> {
+    Plane::from_fn(grey.rows(), grey.columns(), |x, y| grey.row(x)[y])
+}
+
+/// How many times as large the steps along the rows are at the best of eight places modulo eight as at the middle one.
+fn blockiness(grey: &Plane<f32>) -> f64 {
+    let (mut sums, mut counts) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for y in 0..grey.rows() {
+        for (x, pair) in grey.row(y).windows(2).enumerate() {
+            sums[x % BLOCK] += f64::from((pair[1] - pair[0]).abs().min(LARGEST_STEP));
+            counts[x % BLOCK] += 1.0;
+        }
+    }
+    let mut means: [f64; BLOCK] = std::array::from_fn(|i| sums[i] / counts[i]);
+    means.sort_unstable_by(f64::total_cmp);
+    let middle = f64::midpoint(means[BLOCK / 2 - 1], means[BLOCK / 2]);
+    if middle > 0.0 { means[BLOCK - 1] / middle } else { 1.0 }
+}
+
+/// The mean square of steps along the rows over that of changes over more pixels.
+fn fineness(grey: &Plane<f32>) -> f64 {
+    let square = |apart: usize| {
+        let rows = (0..grey.rows()).map(|y| grey.row(y));
+        let pairs = rows.flat_map(|row| row.iter().zip(&row[apart..]));
+        let squares = pairs.map(|(a, b)| f64::from(a - b).powi(2));
+        squares.sum::<f64>() / ((grey.columns() - apart) * grey.rows()) as f64
+    };
+    square(1) / square(COARSE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_of_16_bits_are_seen_unless_one_image_uses_more() {
+        let deep = |largest| Image::Grey16(Plane::filled(2, 1, largest));
+        assert_eq!(few_bits(&deep(0x0fff), &deep(3)), Some(12));
+        assert_eq!(few_bits(&deep(0x3fff), &deep(3)), Some(14));
+        assert_eq!(few_bits(&deep(0x4000), &deep(3)), None);
+        assert_eq!(few_bits(&deep(3), &deep(0x4000)), None);
+        assert_eq!(few_bits(&deep(0), &deep(0)), None);
+        let shallow = Image::Grey8(Plane::filled(2, 1, 3));
+        assert_eq!(few_bits(&deep(3), &shallow), None);
+        assert_eq!(few_bits(&shallow, &deep(3)), None);
+        assert_eq!(few_levels(&deep(30_000), &deep(30_255)), Some([30_000, 30_255]));
+        assert_eq!(few_levels(&deep(30_000), &deep(34_096)), None);
+        assert_eq!(few_levels(&deep(3000), &deep(3255)), None, "few bits");
+        assert_eq!(few_levels(&shallow, &deep(30_000)), None);
+        assert_eq!(few_levels(&deep(65_535), &deep(65_535)), None, "there is nothing to spread");
+    }
+
+    /// Texture at several sizes.
+    fn texture(x: usize, y: usize) -> f32 {
+        let noise = |x: usize, y: usize| {
+            let v = (x * 0x9E37 + y * 0x79B9).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            ((v ^ v >> 29).wrapping_mul(0x5851_F42D_4C95_7F2D) >> 56) as f32
+        };
+        0.2 * noise(x, y) + 0.3 * noise(x / 3, y / 3) + 0.5 * noise(x / 11, y / 11)
+    }
+
+    fn image(grey: impl Fn(usize, usize) -> f32) -> Image {
+        Image::Grey8(Plane::from_fn(160, 120, |x, y| grey(x, y) as u8))
+    }
+
+    #[test]
+    fn blocks_are_seen_where_both_images_have_them_in_both_directions() {
+        // Every block is a little brighter or darker than what it shows.
+        let shade = |x: usize, y: usize| (8 + (x / BLOCK * 5 + y / BLOCK * 3) % 7) as f32;
+        let blocks = image(|x, y| 0.06 * texture(x, y) + shade(x, y));
+        let clean = image(|x, y| 0.06 * texture(x, y));
+        let stripes = image(|x, y| 0.06 * texture(x, y) + shade(x, 0));
+        assert!(are_compressed(&blocks, &blocks));
+        for (left, right) in [(&clean, &blocks), (&blocks, &clean), (&stripes, &stripes)] {
+            assert!(!are_compressed(left, right));
+        }
+        let black = image(|_, _| 0.0);
+        assert!(!are_compressed(&black, &black));
+    }
+
+    #[test]
+    fn the_image_with_less_fine_detail_is_told() {
+        let sharp = image(texture);
+        let soft = image(|x, y| (0..4).map(|i| texture(x + i, y)).sum::<f32>() / 4.0);
+        assert_eq!(blurred(&sharp, &sharp), None);
+        let ratio = match blurred(&sharp, &soft) {
+            Some(Blurred::Right(ratio)) => ratio,
+            other => panic!("{other:?}"),
+        };
+        let other = match blurred(&soft, &sharp) {
+            Some(Blurred::Left(ratio)) => ratio,
+            other => panic!("{other:?}"),
+        };
+        assert!(ratio > 2.0 && (ratio - other).abs() < 1e-9, "{ratio}, {other}");
+        // Half as bright is as sharp.
+        assert_eq!(blurred(&sharp, &image(|x, y| 0.5 * texture(x, y))), None);
+        let blank = image(|_, _| 7.0);
+        for (left, right) in [(&sharp, &blank), (&blank, &sharp), (&blank, &blank)] {
+            assert_eq!(blurred(left, right), None);
+        }
+    }
+}
