@@ -1,6 +1,8 @@
 //! What is doubtful about an answer, in words for Python programmers.
 
-use matching::{Doubt, VerticalDisparity, doubts, few_bits, few_levels};
+use matching::{
+    Blurred, Doubt, VerticalDisparity, are_compressed, blurred, doubts, few_bits, few_levels,
+};
 use raster::{BoundingBox, DisparityRange, Image};
 
 /// Says what is doubtful, what it may come from, and what to do. The same doubts about another frame
@@ -17,6 +19,28 @@ pub fn in_words(
     words.extend(few_levels(left, right).map(|_| FEW_LEVELS.to_owned()));
     words.extend(matcher.vertical_disparity().and_then(of_rows));
     words.extend(doubts(matcher.map(), bounds, range).into_iter().map(|doubt| of(doubt, range)));
+    words
+}
+
+/// What is doubtful about the images themselves, which takes a while to see.
+pub fn of_images(left: &Image, right: &Image) -> Vec<String> {
+    let mut words = Vec::new();
+    if are_compressed(left, right) {
+        words.push(
+            "`left` and `right` show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
+             both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
+                .to_owned(),
+        );
+    }
+    let (less, more) = match blurred(left, right) {
+        Some(Blurred::Left(_)) => ("left", "right"),
+        Some(Blurred::Right(_)) => ("right", "left"),
+        None => return words,
+    };
+    words.push(format!(
+        "`{more}` has much more fine detail than `{less}`: is one out of focus, moved, of another resolution or \
+         noisier? Where edges are blurred in one image alone matches are off, and may be sure"
+    ));
     words
 }
 

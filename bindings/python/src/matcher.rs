@@ -1,6 +1,7 @@
 //! `hazcam.Matcher`: a [`matching::Matcher`] that several Python threads may share.
 
 use std::process;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use matching::{MatchError, Options};
@@ -24,6 +25,8 @@ pub struct Matcher {
     /// Taken out while it works, so that none is left here if it panics; the next frame then makes
     /// another.
     matcher: Mutex<Option<matching::Matcher>>,
+    /// Whether pictures of its cameras have been looked at for what is wrong with them.
+    has_looked: AtomicBool,
 }
 
 /// What was mended of the rows: coefficients, root mean square, largest.
@@ -89,7 +92,7 @@ impl Matcher {
         options.without = arguments::without(without)?;
         let matcher = detached(py, || matching::Matcher::new(options.clone()))?;
         let matcher = Mutex::new(Some(matcher.map_err(of_matching)?));
-        Ok(Self { options, process: process::id(), matcher })
+        Ok(Self { options, process: process::id(), matcher, has_looked: AtomicBool::new(false) })
     }
 
     fn compute<'py>(
@@ -145,8 +148,14 @@ impl Matcher {
             None => matching::Matcher::new(self.options.clone())?,
         };
         let matched = matcher.compute(left, right, bounds).map(|_| ());
-        let answer =
-            matched.map(|()| Answer::of(&matcher, doubts::in_words(&matcher, left, right, bounds)));
+        let answer = matched.map(|()| {
+            let mut words = doubts::in_words(&matcher, left, right, bounds);
+            // Cameras stay what they are.
+            if !self.has_looked.swap(true, Ordering::Relaxed) {
+                words.extend(doubts::of_images(left, right));
+            }
+            Answer::of(&matcher, words)
+        });
         *kept = Some(matcher);
         answer
     }

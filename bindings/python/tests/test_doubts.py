@@ -68,6 +68,19 @@ def test_matches_at_an_end_of_the_range_are_doubted():
     assert levels in told(lambda: hazcam.match(*thermal, 40))
 
 
+def test_pictures_are_doubted_once():
+    left, right = dots(rows=80, columns=120, shift=9)
+    soft = (sum(np.roll(right, i, 1).astype(float) for i in range(5)) / 5).astype(np.uint8)
+    matcher = hazcam.Matcher("balanced", 24)
+    less_sharp = (
+        "`left` has much more fine detail than `right`: is one out of focus, moved, of another "
+        "resolution or noisier? Where edges are blurred in one image alone matches are off, and may "
+        "be sure"
+    )
+    assert less_sharp in told(lambda: matcher.compute(left, soft))
+    assert less_sharp not in told(lambda: matcher.compute(left, soft))
+
+
 def test_the_course_function_doubts_too():
     left, right = dots(shift=20)
     nearer = (

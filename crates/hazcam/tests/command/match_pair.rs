@@ -268,6 +268,28 @@ fn a_pair_that_is_none_is_warned_of_though_notes_are_off() {
 }
 
 #[test]
+fn what_is_wrong_with_the_pictures_is_told() {
+    let folder = Folder::with_pair(160, 120);
+    let Ok(Image::Grey8(right)) = formats::read_image(folder.path("right.png")) else {
+        panic!("the pair is grey")
+    };
+    let write = |name: &str, grey: &dyn Fn(usize, usize) -> u32| {
+        let plane = Plane::from_fn(right.columns(), right.rows(), |x, y| grey(x, y) as u8);
+        formats::write_image(folder.path(name), &Image::Grey8(plane)).unwrap();
+    };
+    let at = |x: usize, y: usize| u32::from(right.row(y)[x.min(right.columns() - 1)]);
+    write("soft.png", &|x, y| (0..5).map(|i| at(x + i, y)).sum::<u32>() / 5);
+    let soft = folder.run("match left.png soft.png -o d.pfm -d 20").done().stderr;
+    assert!(soft.contains("times as much fine detail as soft.png"), "{soft}");
+    let blocks = |x: usize, y: usize| (8 + (x / 8 * 5 + y / 8 * 3) % 7) as u32;
+    write("blocks.png", &|x, y| at(x, y) / 64 + blocks(x, y));
+    let told = folder.run("match blocks.png blocks.png -o d.pfm -d 20").done().stderr;
+    assert!(told.contains("the blocks of 8 x 8 pixels of a compression"), "{told}");
+    let told = folder.run("match left.png right.png -o d.pfm -d 20").done().stderr;
+    assert!(!told.contains("compression") && !told.contains("fine detail"), "{told}");
+}
+
+#[test]
 fn a_range_that_ends_where_things_are_is_told() {
     let folder = Folder::with_pair(100, 60);
     let told = |range: &str| {
