@@ -12,7 +12,7 @@
 //! | `selection` | the winner, its fraction of a pixel, and the check against the right view |
 //! | `refinement` | outliers out, occlusions filled, edges sharpened, confidence |
 //!
-//! The taxonomy has four of them: `prepare` comes before its first one, and `selection` is the end of its third
+//! The taxonomy has four stages: `prepare` comes before its first one, and `selection` is the end of its third
 //! (winner takes all) and the beginning of its fourth (fractions of a pixel, cross-checking).
 //!
 //! A *preset* strings stages together for one purpose: [`Preset::Fast`], [`Preset::Balanced`],

@@ -19,7 +19,7 @@ pub fn failure(token: &str, error: impl Display) -> String {
 /// The token of this process.
 pub fn token() -> &'static str {
     static TOKEN: OnceLock<String> = OnceLock::new();
-    // Where the system has no chance to give, nobody is there who guesses the hasher's.
+    // Where the system gives no random number, a hasher has keys that are as secret.
     TOKEN.get_or_init(|| {
         let number = getrandom::u64().unwrap_or_else(|_| RandomState::new().hash_one(()));
         format!("{number:016x}")

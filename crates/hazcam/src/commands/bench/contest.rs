@@ -71,8 +71,8 @@ impl Contest {
             .any(|record| record.status.message().is_some() && is_own(&record.engine));
         let called = engines.called().chain(self.reference.as_deref());
         let ends = records.iter().map(|record| (&*record.engine, record.status.message()));
-        let all_told = tell_silent(called, &ends.collect::<Vec<_>>(), ui);
-        if own_failed || unreadable > 0 || records.is_empty() || !all_told {
+        let all_answered = tell_silent(called, &ends.collect::<Vec<_>>(), ui);
+        if own_failed || unreadable > 0 || records.is_empty() || !all_answered {
             return Ok(cli::ERROR.into());
         }
         let broken = match &self.limits {
@@ -84,8 +84,8 @@ impl Contest {
     }
 }
 
-/// Says which of the engines that were called have given no answer at all, and why; whether all have. How each of them
-/// ended is told by its name and what went wrong, if anything did.
+/// Says which of the engines that were called have given no answer at all, and why; whether all have given one. `ends`
+/// are the engines' names and what went wrong, if anything did, as often as they were run.
 pub fn tell_silent<'a>(
     called: impl Iterator<Item = &'a str>,
     ends: &[(&str, Option<&str>)],
@@ -93,7 +93,7 @@ pub fn tell_silent<'a>(
 ) -> bool {
     // Where nothing could be read nobody was asked.
     let called: BTreeSet<&str> = called.filter(|_| !ends.is_empty()).collect();
-    let mut all_told = true;
+    let mut all_answered = true;
     for name in called {
         let of_engine = ends.iter().filter(|(engine, _)| *engine == name);
         let problems: Vec<Option<&str>> = of_engine.map(|(_, problem)| *problem).collect();
@@ -101,10 +101,10 @@ pub fn tell_silent<'a>(
             let why = problems.first().copied().flatten();
             let why = why.map(|why| format!(": {}", printable(why))).unwrap_or_default();
             ui.fail(format_args!("{name} was asked for and has given no answer at all{why}"));
-            all_told = false;
+            all_answered = false;
         }
     }
-    all_told
+    all_answered
 }
 
 /// The machine with the vector instructions that the presets use.

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use arena::grade::output::{autolab, gradescope, junit, text};
-use arena::grade::{COURSE, Outcome, Report, Scheme};
+use arena::grade::{COURSE, Outcome, Report};
 
 use super::board;
 use crate::cli::{ERROR, THRESHOLD_FAILED};
@@ -92,8 +92,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     args.entrant.check()?;
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
-    args.check_output(workshop.scheme())?;
     let mut secrets = args.grading.scene_files(workshop.scheme());
+    args.check_output(&secrets)?;
     secrets.extend(Some(board::place()).filter(|board| board.is_file()));
     GradingArguments::keep_from(args.entrant.submission(), &secrets)?;
     let (name, entrant) = args.entrant.open(&workshop)?;
@@ -144,12 +144,12 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 impl Args {
     /// Errors when the results could not be written, or would replace what they are made from: grading takes
     /// long.
-    fn check_output(&self, scheme: &Scheme) -> anyhow::Result<()> {
+    fn check_output(&self, scenes: &[PathBuf]) -> anyhow::Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
         if self.entrant.submission().is_some_and(|folder| outputs::lies_in(path, folder)) {
             bail!("{OUTPUT} {} would lie in the submission: name another folder", path.display());
         }
-        let (scenes, engines) = (self.grading.scene_files(scheme), self.entrant.engine_files());
+        let engines = self.entrant.engine_files();
         let inputs = [self.entrant.submission(), self.grading.scheme()].into_iter().flatten();
         let files = scenes.iter().chain(&engines).map(PathBuf::as_path);
         let inputs: Vec<&Path> = inputs.chain(files).collect();

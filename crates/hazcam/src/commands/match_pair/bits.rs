@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use anyhow::bail;
-use matching::{few_bits, few_levels};
 use raster::Image;
 
 use crate::arguments;
@@ -29,26 +28,4 @@ pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 
         }
     }
     Ok(files.map(|(_, image)| image.widened_from(bits)))
-}
-
-/// What to tell of images that leave much of 16 bits unused.
-pub fn unused([(left, of_left), (right, of_right)]: [(&Path, &Image); 2]) -> Option<String> {
-    let levels = few_levels(of_left, of_right).map(|[least, most]| {
-        format!(
-            "{} and {}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; spread \
-             them over 0 to 65535 before",
-            left.display(),
-            right.display(),
-        )
-    });
-    let bits = few_bits(of_left, of_right).map(|used| {
-        format!(
-            "{} and {}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
-             gives {used} bits, say --bits {used}",
-            left.display(),
-            right.display(),
-            u16::BITS - used,
-        )
-    });
-    bits.or(levels)
 }

@@ -1,6 +1,7 @@
 //! `hazcam match`: two images in, a disparity map out.
 
 mod bits;
+mod doubts;
 mod outputs;
 mod profile;
 mod sidecar;
@@ -9,10 +10,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
-use matching::{
-    Blurred, Doubt, Holes, Matcher, Options, Preset, VerticalDisparity, are_compressed, blurred,
-    doubts,
-};
+use matching::{Holes, Matcher, Options, Preset};
 use raster::{BoundingBox, DisparityRange, Image};
 
 use crate::arguments::{self, GivenBox};
@@ -74,9 +72,9 @@ pub struct Args {
     #[arg(value_parser = super::choice(Preset::ALL.map(Preset::name)))]
     matcher: String,
 
-    /// Largest disparity to look for, in pixels. It is searched too: 63 makes 64 disparities, which 64
-    /// or 32 more at a time go through quickest [default: the smallest one + N - 1, where N is a quarter
-    /// of the width as a multiple of 16, from 16 to 256]
+    /// Largest disparity to look for, in pixels. It is searched too: 63 makes 64 disparities, and multiples
+    /// of 32 are quickest [default: the smallest one + N - 1, where N is a quarter of the width as a
+    /// multiple of 16, from 16 to 256]
     #[arg(short = 'd', long, value_name = "N", help_heading = "Matching")]
     #[arg(value_parser = arguments::disparity, allow_negative_numbers = true)]
     max_disparity: Option<i32>,
@@ -145,17 +143,12 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let mut left = formats::read_image(&args.left)?;
     let mut right = formats::read_image(&args.right)?;
     check_pair(&args, &left, &right)?;
-    match args.bits {
-        Some(bits) => {
-            [left, right] = bits::widened(bits, [(&args.left, left), (&args.right, right)])?;
-        }
-        None => {
-            if let Some(unused) = bits::unused([(&args.left, &left), (&args.right, &right)]) {
-                ui.note(unused);
-            }
-        }
+    if let Some(bits) = args.bits {
+        [left, right] = bits::widened(bits, [(&args.left, left), (&args.right, right)])?;
     }
-    tell_of_images(&args, &left, &right, ui);
+    for doubt in doubts::of_images([(&args.left, &left), (&args.right, &right)], args.bits) {
+        ui.note(doubt);
+    }
     let (options, assumed) = options(&args, left.columns())?;
     if let Some(assumed) = assumed {
         ui.note(assumed);
@@ -176,22 +169,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
-        let off = vertical.disparity_error();
-        let advice = match vertical.largest() > VerticalDisparity::BADLY_RECTIFIED {
-            _ if off > VerticalDisparity::TELLING => format!(
-                "; for the same reason disparities may be off by up to {off:.1} px towards the edges, which is not \
-                 mended and which confidence does not know: rectify the cameras anew"
-            ),
-            true => "; rectify the cameras anew if you can".into(),
-            false => String::new(),
-        };
-        ui.note(format_args!(
-            "{}: things stand up to {:.1} px higher or lower than on the left ({:.2} px rms), which was \
-             mended{advice}",
-            args.right.display(),
-            vertical.largest(),
-            vertical.root_mean_square(),
-        ));
+        ui.note(doubts::of_rows(&args.right, vertical));
     }
     ui.note(format_args!(
         "{}: {}, disparities {} to {} in {:.3} s; {:.1} % matched{}",
@@ -210,8 +188,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             args.right.display()
         ));
     }
-    for doubt in doubts(map, bounds, options.range) {
-        tell(doubt, &args, options.range, ui);
+    for doubt in matching::doubts(map, bounds, options.range) {
+        doubts::tell(doubt, &args, options.range, ui);
     }
     if args.profile {
         // The first frame is also the one for which memory is fetched.
@@ -219,57 +197,6 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.print(&profile::table(&matcher, bounds))?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Says what is doubtful about the images.
-fn tell_of_images(args: &Args, left: &Image, right: &Image, ui: &Ui) {
-    let (left_name, right_name) = (args.left.display(), args.right.display());
-    if are_compressed(left, right) {
-        ui.note(format_args!(
-            "{left_name} and {right_name} show the blocks of 8 x 8 pixels of a compression, which are in the same \
-             places of both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
-        ));
-    }
-    let (less, more, ratio) = match blurred(left, right) {
-        Some(Blurred::Left(ratio)) => (left_name, right_name, ratio),
-        Some(Blurred::Right(ratio)) => (right_name, left_name, ratio),
-        None => return,
-    };
-    ui.note(format_args!(
-        "{more} has {ratio:.1} times as much fine detail as {less}: is one out of focus, moved, of another resolution \
-         or noisier? Where edges are blurred in one image alone matches are off, and may be sure"
-    ));
-}
-
-/// Says what is doubtful, what it may come from, and what to do.
-fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
-    let (min, max) = (range.min(), range.max());
-    match doubt {
-        Doubt::HardlyMatched(share) => ui.warn(format_args!(
-            "only {:.1} % of the pixels are matched, so {} is to be doubted. Either {} is not \
-             the left image of the two (exchange them), or things lie outside disparities {min} to \
-             {max} (raise --max-disparity, lower --min-disparity), or the two are no rectified pair \
-             of one scene (rectify them), or they have no texture",
-            100.0 * share,
-            args.output.display(),
-            args.left.display(),
-        )),
-        Doubt::Nearer(share) => ui.warn(format_args!(
-            "{:.1} % of the matched pixels lie at the largest disparity, {max}: there may be \
-             nearer things that are missed; raise --max-disparity",
-            100.0 * share,
-        )),
-        Doubt::Farther(share) => ui.note(format_args!(
-            "{:.1} % of the matched pixels lie at the smallest disparity, {min}: there may be \
-             farther things that are missed; lower --min-disparity",
-            100.0 * share,
-        )),
-        Doubt::Infinite(share) => ui.note(format_args!(
-            "{:.1} % of the matched pixels lie at disparity 0, infinitely far. If nothing is, the two show what \
-             belongs to the cameras: blocks of compressed pictures, dust on lenses, vignetting",
-            100.0 * share,
-        )),
-    }
 }
 
 /// Errors that name the files rather than "left" and "right".

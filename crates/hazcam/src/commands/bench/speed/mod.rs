@@ -98,8 +98,8 @@ impl SpeedArguments {
                 })?;
                 let all = runs.iter().flat_map(|run| &run.measurements);
                 let ends = all.map(|found| (&*found.engine, found.status.message()));
-                let all_told = tell_silent(engines.called(), &ends.collect::<Vec<_>>(), ui);
-                complete = runs.len() == asked && all_told;
+                let all_answered = tell_silent(engines.called(), &ends.collect::<Vec<_>>(), ui);
+                complete = runs.len() == asked && all_answered;
                 runs
             }
         };

@@ -1,0 +1,98 @@
+//! What is doubtful about a pair and its answer, what it may come from, and what to do, in words.
+
+use std::path::Path;
+
+use matching::{Blurred, Doubt, VerticalDisparity, are_compressed, blurred, few_bits, few_levels};
+use raster::{DisparityRange, Image};
+
+use super::Args;
+use crate::ui::Ui;
+
+/// What is doubtful about the images of two files, whose samples were said to have so many `bits`.
+pub fn of_images(
+    [(left, of_left), (right, of_right)]: [(&Path, &Image); 2],
+    bits: Option<u32>,
+) -> Vec<String> {
+    let (left, right) = (left.display(), right.display());
+    let mut doubts = Vec::new();
+    if let Some(used) = few_bits(of_left, of_right).filter(|_| bits.is_none()) {
+        doubts.push(format!(
+            "{left} and {right}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
+             gives {used} bits, say --bits {used}",
+            u16::BITS - used,
+        ));
+    }
+    if let Some([least, most]) = few_levels(of_left, of_right) {
+        doubts.push(format!(
+            "{left} and {right}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; \
+             spread them over 0 to 65535 before"
+        ));
+    }
+    if are_compressed(of_left, of_right) {
+        doubts.push(format!(
+            "{left} and {right} show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
+             both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
+        ));
+    }
+    let less_sharp = blurred(of_left, of_right).map(|blurred| match blurred {
+        Blurred::Left(ratio) => (left, right, ratio),
+        Blurred::Right(ratio) => (right, left, ratio),
+    });
+    doubts.extend(less_sharp.map(|(less, more, ratio)| {
+        format!(
+            "{more} has {ratio:.1} times as much fine detail as {less}: is one out of focus, moved, of another \
+             resolution or noisier? Where edges are blurred in one image alone matches are off, and may be sure"
+        )
+    }));
+    doubts
+}
+
+/// How far the rows of a right image were off, and what that says of the cameras.
+pub fn of_rows(right: &Path, vertical: &VerticalDisparity) -> String {
+    let off = vertical.disparity_error();
+    let advice = match vertical.largest() > VerticalDisparity::BADLY_RECTIFIED {
+        _ if off > VerticalDisparity::TELLING => format!(
+            "; for the same reason disparities may be off by up to {off:.1} px towards the edges, which is not \
+             mended and which confidence does not know: rectify the cameras anew"
+        ),
+        true => "; rectify the cameras anew if you can".into(),
+        false => String::new(),
+    };
+    format!(
+        "{}: things stand up to {:.1} px higher or lower than on the left ({:.2} px rms), which was mended{advice}",
+        right.display(),
+        vertical.largest(),
+        vertical.root_mean_square(),
+    )
+}
+
+/// Says what is doubtful about the answer.
+pub fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
+    let (min, max) = (range.min(), range.max());
+    match doubt {
+        Doubt::HardlyMatched(share) => ui.warn(format_args!(
+            "only {:.1} % of the pixels are matched, so {} is to be doubted. Either {} is not \
+             the left image of the two (exchange them), or things lie outside disparities {min} to \
+             {max} (raise --max-disparity, lower --min-disparity), or the two are no rectified pair \
+             of one scene (rectify them), or they have no texture",
+            100.0 * share,
+            args.output.display(),
+            args.left.display(),
+        )),
+        Doubt::Nearer(share) => ui.warn(format_args!(
+            "{:.1} % of the matched pixels lie at the largest disparity, {max}: there may be \
+             nearer things that are missed; raise --max-disparity",
+            100.0 * share,
+        )),
+        Doubt::Farther(share) => ui.note(format_args!(
+            "{:.1} % of the matched pixels lie at the smallest disparity, {min}: there may be \
+             farther things that are missed; lower --min-disparity",
+            100.0 * share,
+        )),
+        Doubt::Infinite(share) => ui.note(format_args!(
+            "{:.1} % of the matched pixels lie at disparity 0, infinitely far. If nothing is, the two show what \
+             belongs to the cameras: blocks of compressed pictures, dust on lenses, vignetting",
+            100.0 * share,
+        )),
+    }
+}
