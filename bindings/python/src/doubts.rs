@@ -1,8 +1,6 @@
 //! What is doubtful about an answer, in words for Python programmers.
 
-use matching::{
-    Blurred, Doubt, VerticalDisparity, are_compressed, blurred, doubts, few_bits, few_levels,
-};
+use matching::{Doubt, ImageDoubt, VerticalDisparity, doubts, few_bits, image_doubts};
 use raster::{BoundingBox, DisparityRange, Image};
 
 /// Says what is doubtful, what it may come from, and what to do. The same doubts about another frame
@@ -16,7 +14,6 @@ pub fn in_words(
     let range = matcher.options().range;
     let bounds = bounds.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
     let mut words: Vec<String> = few_bits(left, right).map(of_bits).into_iter().collect();
-    words.extend(few_levels(left, right).map(|_| FEW_LEVELS.to_owned()));
     words.extend(matcher.vertical_disparity().and_then(of_rows));
     words.extend(doubts(matcher.map(), bounds, range).into_iter().map(|doubt| of(doubt, range)));
     words
@@ -24,28 +21,28 @@ pub fn in_words(
 
 /// What is doubtful about the images themselves, which takes a while to see.
 pub fn of_images(left: &Image, right: &Image) -> Vec<String> {
-    let mut words = Vec::new();
-    if are_compressed(left, right) {
-        words.push(
-            "`left` and `right` show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
-             both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
-                .to_owned(),
-        );
-    }
-    let (less, more) = match blurred(left, right) {
-        Some(Blurred::Left(_)) => ("left", "right"),
-        Some(Blurred::Right(_)) => ("right", "left"),
-        None => return words,
-    };
-    words.push(format!(
-        "`{more}` has much more fine detail than `{less}`: is one out of focus, moved, of another resolution or \
-         noisier? Where edges are blurred in one image alone matches are off, and may be sure"
-    ));
-    words
+    image_doubts(left, right).into_iter().map(of_image).collect()
 }
 
-const FEW_LEVELS: &str = "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes matches \
-                         worse; spread them over all of it, alike in both";
+fn of_image(doubt: ImageDoubt) -> String {
+    let less_sharp = |less, more| {
+        format!(
+            "`{more}` has much more fine detail than `{less}`: is one out of focus, moved, of another resolution or \
+             noisier? Where edges are blurred in one image alone matches are off, and may be sure"
+        )
+    };
+    match doubt {
+        ImageDoubt::FewLevels(_) => "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes \
+                                     matches worse; spread them over all of it, alike in both"
+            .to_owned(),
+        ImageDoubt::Compressed => "`left` and `right` show the blocks of 8 x 8 pixels of a compression, which are in \
+                                   the same places of both and are matched at multiples of 8 pixels: take pictures \
+                                   without, or of a better quality"
+            .to_owned(),
+        ImageDoubt::LeftBlurred(_) => less_sharp("left", "right"),
+        ImageDoubt::RightBlurred(_) => less_sharp("right", "left"),
+    }
+}
 
 fn of_bits(used: u32) -> String {
     let unused = u16::BITS - used;

@@ -81,13 +81,18 @@ pub fn destination(path: &Path) -> io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         match fs::read_link(&path) {
             Ok(next) => path = folder_of(&path).join(next),
-            Err(_) => {
-                let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-                return Ok(fs::canonicalize(folder_of(&path))?.join(name));
-            }
+            Err(_) => return in_its_folder(&path),
         }
     }
     Err(io::Error::other(format!("more than {MOST_LINKS} links, one to the other")))
+}
+
+/// The path of a file by its folder without links and `..`; the file itself may be a link, or not be there.
+///
+/// Errors when the folder does not exist or `path` names no file.
+pub fn in_its_folder(path: &Path) -> io::Result<PathBuf> {
+    let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+    Ok(fs::canonicalize(folder_of(path))?.join(name))
 }
 
 /// As many links as Linux follows.

@@ -127,7 +127,10 @@ fn calibrated(
     }
     Ok(match image {
         // Its folder tells, which a name from there does not have; the file itself may lie elsewhere.
-        Some(image) => calibration.camera_of(in_its_folder(image)),
+        Some(image) => {
+            let place = formats::in_its_folder(image);
+            calibration.camera_of(place.as_deref().unwrap_or(image))
+        }
         None => {
             if calibration.colour_camera.is_some_and(|colour| colour != calibration.camera) {
                 ui.note(format_args!(
@@ -139,16 +142,6 @@ fn calibrated(
             calibration.camera
         }
     })
-}
-
-/// The path of a file with its folder in full.
-fn in_its_folder(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = std::fs::canonicalize(folder.unwrap_or(Path::new(".")));
-    match (folder, path.file_name()) {
-        (Ok(folder), Some(name)) => folder.join(name),
-        _ => path.to_owned(),
-    }
 }
 
 #[cfg(test)]

@@ -61,7 +61,7 @@ mod threads;
 #[doc(hidden)]
 pub mod training;
 
-pub use doubt::{Blurred, Doubt, are_compressed, blurred, doubts, few_bits, few_levels};
+pub use doubt::{Doubt, ImageDoubt, doubts, few_bits, image_doubts};
 pub use error::MatchError;
 pub use ingredient::Ingredient;
 pub use kernels::level::Level;

@@ -69,9 +69,11 @@ impl Image {
 
     /// The smallest and the largest sample; `None` without any.
     pub fn extremes(&self) -> Option<[u32; 2]> {
-        fn of<T: Copy + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> Option<[u32; 2]> {
-            let samples = || pixels.as_flattened().iter().map(|&sample| sample.into());
-            Some([samples().min()?, samples().max()?])
+        fn of<T: Copy + Ord + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> Option<[u32; 2]> {
+            let (&first, others) = pixels.as_flattened().split_first()?;
+            let wider = |(least, most): (T, T), &sample: &T| (least.min(sample), most.max(sample));
+            let (least, most) = others.iter().fold((first, first), wider);
+            Some([least.into(), most.into()])
         }
         match self {
             Self::Grey8(p) => of(p.samples().as_chunks::<1>().0),

@@ -111,9 +111,9 @@ fn refuse_misread(
             "the usual order (FillOrder 1) is needed: `tiffcp -f msb2lsb`",
         ));
     }
-    let samples = tag(Tag::SamplesPerPixel)?.unwrap_or(1);
+    let (samples, tile) = (tag(Tag::SamplesPerPixel)?.unwrap_or(1), tag(Tag::TileWidth)?);
     // A tile may be larger than the picture; memory is taken for a row of it.
-    if let Some(across) = tag(Tag::TileWidth)? {
+    if let Some(across) = tile {
         let row = u64::from(across) * u64::from(color.bit_depth()) * u64::from(samples) / 8;
         if row / LARGEST_RATIO > source.bytes.len() as u64 {
             return Err(source.malformed(
@@ -125,7 +125,7 @@ fn refuse_misread(
     }
     // Of samples that it does not know the decoder makes room for the others after it has undone what was done to
     // all, or of tiles that overhang the picture.
-    let undoes = tag(Tag::Predictor)?.unwrap_or(1) != 1 || tag(Tag::TileWidth)?.is_some();
+    let undoes = tag(Tag::Predictor)?.unwrap_or(1) != 1 || tile.is_some();
     let known = color.num_samples();
     if samples > u32::from(known) && undoes {
         return Err(source.wrong_kind(

@@ -98,18 +98,20 @@ impl<'a> View<'a> {
 
     /// How many pixels are points.
     pub fn points(&self) -> usize {
-        let depths = self.depths();
-        let values = depths.as_ref().unwrap_or(self.disparities);
-        values.samples().iter().filter(|value| value.is_finite()).count()
+        self.points_of(|_| true)
     }
 
     /// How many of them are shown at first: those that are sure enough.
     pub fn shown(&self) -> usize {
-        let Some((sure, least)) = self.confidence else { return self.points() };
+        let is_sure =
+            |at: usize| self.confidence.is_none_or(|(sure, least)| sure.samples()[at] >= least);
+        self.points_of(is_sure)
+    }
+
+    fn points_of(&self, counts: impl Fn(usize) -> bool) -> usize {
         let depths = self.depths();
-        let values = depths.as_ref().unwrap_or(self.disparities);
-        let pixels = values.samples().iter().zip(sure.samples());
-        pixels.filter(|&(value, &sure)| value.is_finite() && sure >= least).count()
+        let values = depths.as_ref().unwrap_or(self.disparities).samples().iter().enumerate();
+        values.filter(|&(at, value)| value.is_finite() && counts(at)).count()
     }
 }
 

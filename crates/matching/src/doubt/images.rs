@@ -25,64 +25,75 @@ const COARSE: usize = 8;
 /// Smaller images say too little about either.
 const SMALLEST: usize = 64;
 
+/// What there is to doubt about a pair of images.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ImageDoubt {
+    /// All samples of 16 bits lie between these two, though the upper bits are used: steps of grey are what matching
+    /// lives on.
+    FewLevels([u32; 2]),
+    /// Both images show the blocks of a compression, which stand in the same places of both and are matched at
+    /// multiples of their side.
+    Compressed,
+    /// The left image is less sharp, or less noisy: the right one has so many times as much fine detail. Blurred
+    /// edges match sharp ones at one of their ends.
+    LeftBlurred(f64),
+    /// The right one is.
+    RightBlurred(f64),
+}
+
+/// Doubts about a pair of images of one size, before anything is matched; [`few_bits`] tells of another one.
+pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
+    let views = [left, right].map(|image| {
+        let along = image.to_grey_f32();
+        [turned(&along), along]
+    });
+    let is_large = |[_, along]: &[Plane<f32>; 2]| along.columns().min(along.rows()) >= SMALLEST;
+    let mut doubts = Vec::from_iter(few_levels(left, right).map(ImageDoubt::FewLevels));
+    if views.iter().all(is_large) {
+        let are_compressed = views.as_flattened().iter().all(|view| blockiness(view) > BLOCKY);
+        doubts.extend(are_compressed.then_some(ImageDoubt::Compressed));
+        doubts.extend(blurred(&views));
+    }
+    doubts
+}
+
 /// How many of 16 bits the samples of a pair use, where they leave many unused. `None` where they do not,
 /// for samples of 8 bits, and for black images, of which there is nothing to tell.
 pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
-    if left.depth() < u16::BITS || right.depth() < u16::BITS {
-        return None;
-    }
-    let used = left.bits_used().max(right.bits_used());
+    let used = bits_of(levels(left, right)?);
     (1..=FEW_BITS).contains(&used).then_some(used)
 }
 
-/// Between which of 65536 levels of grey all samples of a pair lie, where these are few though the upper bits are used:
-/// steps of grey are what matching lives on. `None` where they are not few, for samples of 8 bits and where
-/// [`few_bits`] has told already.
-pub fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
-    if left.depth() < u16::BITS || right.depth() < u16::BITS || few_bits(left, right).is_some() {
+/// Between which levels all samples of a pair lie, where these are few and [`few_bits`] does not tell it.
+fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
+    let levels = levels(left, right)?;
+    let [least, most] = levels;
+    let are_few = least < most && most - least < FEW_LEVELS && bits_of(levels) > FEW_BITS;
+    are_few.then_some(levels)
+}
+
+/// The smallest and the largest sample of a pair of 16 bits.
+fn levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
+    if left.depth() < u16::BITS || right.depth() < u16::BITS {
         return None;
     }
     let [[least, most], [least_right, most_right]] = [left.extremes()?, right.extremes()?];
-    let (least, most) = (least.min(least_right), most.max(most_right));
-    (least < most && most - least < FEW_LEVELS).then_some([least, most])
+    Some([least.min(least_right), most.max(most_right)])
 }
 
-/// Whether both images show the blocks of a compression, which stand in the same places of both and are matched at
-/// multiples of their side.
-pub fn are_compressed(left: &Image, right: &Image) -> bool {
-    [left, right].iter().all(|image| {
-        let grey = image.to_grey_f32();
-        is_large(&grey) && blockiness(&grey).min(blockiness(&turned(&grey))) > BLOCKY
-    })
+/// How many bits the largest sample takes.
+fn bits_of([_, most]: [u32; 2]) -> u32 {
+    u32::BITS - most.leading_zeros()
 }
 
-/// Which image is less sharp.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Blurred {
-    /// The left one: the other has so many times as much fine detail.
-    Left(f64),
-    /// The right one.
-    Right(f64),
-}
-
-/// Which image of a pair is clearly less sharp, or less noisy, than the other: blurred edges match sharp ones at one of
-/// their ends.
-pub fn blurred(left: &Image, right: &Image) -> Option<Blurred> {
-    let [left, right] = [left, right].map(Image::to_grey_f32);
-    if !is_large(&left) || left.size() != right.size() {
-        return None;
-    }
-    let along = fineness(&left) / fineness(&right);
-    let across = fineness(&turned(&left)) / fineness(&turned(&right));
+/// Which image of a pair is clearly less sharp, by their columns and their rows.
+fn blurred([left, right]: &[[Plane<f32>; 2]; 2]) -> Option<ImageDoubt> {
+    let [across, along] = [0, 1].map(|at| fineness(&left[at]) / fineness(&right[at]));
     let [more, less] = [along.max(across), 1.0 / along.min(across)];
     if more.max(less) <= UNEQUAL || !more.max(less).is_finite() {
         return None;
     }
-    Some(if more > less { Blurred::Right(more) } else { Blurred::Left(less) })
-}
-
-fn is_large(grey: &Plane<f32>) -> bool {
-    grey.columns().min(grey.rows()) >= SMALLEST
+    Some(if more > less { ImageDoubt::RightBlurred(more) } else { ImageDoubt::LeftBlurred(less) })
 }
 
 /// Columns as rows.
@@ -158,6 +169,8 @@ mod tests {
         let blocks = image(|x, y| 0.06 * texture(x, y) + shade(x, y));
         let clean = image(|x, y| 0.06 * texture(x, y));
         let stripes = image(|x, y| 0.06 * texture(x, y) + shade(x, 0));
+        let are_compressed =
+            |left, right| image_doubts(left, right).contains(&ImageDoubt::Compressed);
         assert!(are_compressed(&blocks, &blocks));
         for (left, right) in [(&clean, &blocks), (&blocks, &clean), (&stripes, &stripes)] {
             assert!(!are_compressed(left, right));
@@ -170,21 +183,21 @@ mod tests {
     fn the_image_with_less_fine_detail_is_told() {
         let sharp = image(texture);
         let soft = image(|x, y| (0..4).map(|i| texture(x + i, y)).sum::<f32>() / 4.0);
-        assert_eq!(blurred(&sharp, &sharp), None);
-        let ratio = match blurred(&sharp, &soft) {
-            Some(Blurred::Right(ratio)) => ratio,
-            other => panic!("{other:?}"),
+        assert_eq!(image_doubts(&sharp, &sharp), []);
+        let ratio = match image_doubts(&sharp, &soft)[..] {
+            [ImageDoubt::RightBlurred(ratio)] => ratio,
+            ref other => panic!("{other:?}"),
         };
-        let other = match blurred(&soft, &sharp) {
-            Some(Blurred::Left(ratio)) => ratio,
-            other => panic!("{other:?}"),
+        let other = match image_doubts(&soft, &sharp)[..] {
+            [ImageDoubt::LeftBlurred(ratio)] => ratio,
+            ref other => panic!("{other:?}"),
         };
         assert!(ratio > 2.0 && (ratio - other).abs() < 1e-9, "{ratio}, {other}");
         // Half as bright is as sharp.
-        assert_eq!(blurred(&sharp, &image(|x, y| 0.5 * texture(x, y))), None);
+        assert_eq!(image_doubts(&sharp, &image(|x, y| 0.5 * texture(x, y))), []);
         let blank = image(|_, _| 7.0);
         for (left, right) in [(&sharp, &blank), (&blank, &sharp), (&blank, &blank)] {
-            assert_eq!(blurred(left, right), None);
+            assert_eq!(image_doubts(left, right), []);
         }
     }
 }

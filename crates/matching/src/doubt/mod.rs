@@ -5,7 +5,7 @@ mod images;
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Reason};
 
-pub use images::{Blurred, are_compressed, blurred, few_bits, few_levels};
+pub use images::{ImageDoubt, few_bits, image_doubts};
 
 /// With a smaller share of the answered pixels matched, the two are hardly a pair with that range. Of
 /// Middlebury's, KITTI's and ETH3D's scenes 40 % and more are matched; of exchanged images, and of rows that are off
@@ -20,6 +20,7 @@ const NARROW: usize = 64;
 const MANY: f64 = 0.03;
 /// With a larger share of the matched pixels within half a pixel of disparity 0, much is infinitely far.
 const MANY_INFINITE: f64 = 0.2;
+
 /// What there is to doubt about an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doubt {

@@ -15,8 +15,8 @@ use crate::refinement::rows_between::{self, All, Matched};
 pub(super) const ONE_SURFACE: f32 = 3.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
-/// And of a match at an end of the range: of what is nearer than the range a third is matched there, and at disparity
-/// 0, where most ranges begin, is what both cameras have in one place, as dust on lenses and blocks of compression.
+/// And of a match at an end of the range: of what is nearer than the range a quarter to a half gets its disparity
+/// there, and at disparity 0, where most ranges begin, is what both cameras have in one place, as dust on lenses and blocks of compression.
 const AT_END: f32 = 0.05;
 
 /// Its memory.

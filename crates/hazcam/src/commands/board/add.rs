@@ -67,10 +67,8 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         bail!(BoardError::Name(id.clone()));
     }
     let workshop = Workshop::open(&args.grading)?;
-    let mut secrets = args.grading.scene_files(workshop.scheme());
-    secrets.push(std::path::absolute(path)?);
-    secrets.extend(args.holdout.clone());
-    GradingArguments::keep_from(args.entrant.submission(), &secrets)?;
+    args.entrant.keep_from(workshop.scene_files())?;
+    args.entrant.keep_from(&[std::path::absolute(path)?])?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args, &workshop)?;
@@ -177,7 +175,7 @@ fn open(path: &Path, args: &Args, workshop: &Workshop) -> anyhow::Result<(Board,
     let mut scene = holdout.load(path, &scenes::render)?;
     // It may name the seed.
     scene.secrets.extend(given.map(Path::to_owned));
-    GradingArguments::keep_from(args.entrant.submission(), &scene.secrets)?;
+    args.entrant.keep_from(&scene.secrets)?;
     let fingerprint = holdout.fingerprint(&scene);
     let board = match begun {
         Some(board) => board,

@@ -9,6 +9,7 @@ use arena::submission::Submission;
 
 use super::grading::Workshop;
 use crate::arguments::or_variable;
+use crate::outputs;
 
 const NOBODY: &str = "name a submission, or engines with --matcher FAST:BEST";
 
@@ -40,6 +41,19 @@ impl EntrantArguments {
     /// The submission's folder or archive, if it is one.
     pub fn submission(&self) -> Option<&Path> {
         self.submission.as_deref()
+    }
+
+    /// Errors where one of these files lies in the submission's folder: it would see its copy.
+    pub fn keep_from(&self, files: &[PathBuf]) -> anyhow::Result<()> {
+        let Some(folder) = self.submission() else { return Ok(()) };
+        match files.iter().find(|file| outputs::lies_in(file, folder)) {
+            Some(file) => bail!(
+                "{} lies in the submission {}, which would see it: keep it elsewhere",
+                file.display(),
+                folder.display()
+            ),
+            None => Ok(()),
+        }
     }
 
     /// The engines' names, if it is engines.

@@ -16,7 +16,6 @@ use arena::submission::{Python, Runner};
 
 use super::scenes;
 use crate::arguments::or_variable;
-use crate::outputs;
 use crate::ui::Ui;
 
 /// By what and how entrants are graded.
@@ -73,6 +72,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub struct Workshop {
     scheme: Scheme,
     scenes: Scenes,
+    scene_files: Vec<PathBuf>,
     confinement: Confinement,
     programs: Programs,
     python: Result<Python, String>,
@@ -127,8 +127,10 @@ impl Workshop {
             memory_bytes: args.memory_limit << 20,
             disk_bytes: args.disk_limit << 20,
         };
+        let (scenes, scene_files) = args.load_scenes(&scheme)?;
         Ok(Self {
-            scenes: args.load_scenes(&scheme)?,
+            scenes,
+            scene_files,
             scheme,
             confinement: Confinement { helper: (!args.no_sandbox).then_some(this), allowance },
             programs,
@@ -152,6 +154,11 @@ impl Workshop {
     pub fn tests(&self) -> impl Iterator<Item = (&Test, &Scene)> {
         let tests = self.scheme.tests.iter();
         tests.filter_map(|test| Some((test, self.scenes.get(&test.scene)?.as_ref().ok()?)))
+    }
+
+    /// The files that the scenes are made from.
+    pub fn scene_files(&self) -> &[PathBuf] {
+        &self.scene_files
     }
 
     /// Errors with the reason where a scene of the tests could not be loaded.
@@ -187,42 +194,6 @@ impl GradingArguments {
         self.scheme.as_deref()
     }
 
-    /// The files that a scheme's scenes are made from.
-    pub fn scene_files(&self, scheme: &Scheme) -> Vec<PathBuf> {
-        let sources = scheme.scenes.values().map(|source| source.within(self.folder()));
-        let files = |source| match source {
-            SceneSource::Files { left, right, truth, bounds, .. } => {
-                let bounds = bounds.filter(|bounds| bounds.ends_with(".npy")).map(PathBuf::from);
-                [left, right, truth].into_iter().chain(bounds).collect()
-            }
-            SceneSource::Rendered { .. } => Vec::new(),
-        };
-        let mut all: Vec<PathBuf> = sources.flat_map(files).collect();
-        // Where these cannot be read, the tests tell.
-        if let Some(folder) = or_variable(self.data.as_deref(), "HAZCAM_DATA") {
-            let cases = dataset::open(&folder).unwrap_or_default();
-            let tested = |case: &&Case| scheme.tests.iter().any(|test| test.scene == case.id);
-            let files = cases.iter().filter(tested).filter_map(Case::files);
-            all.extend(files.flat_map(|files| files.all()).map(Path::to_owned));
-            let catalogue = folder.join("scenes.json");
-            all.extend(Some(catalogue).filter(|catalogue| catalogue.is_file()));
-        }
-        all
-    }
-
-    /// Errors where one of these files lies in the folder of a submission, which would see its copy.
-    pub fn keep_from(submission: Option<&Path>, files: &[PathBuf]) -> anyhow::Result<()> {
-        let Some(folder) = submission else { return Ok(()) };
-        match files.iter().find(|file| outputs::lies_in(file, folder)) {
-            Some(file) => bail!(
-                "{} lies in the submission {}, which would see it: keep it elsewhere",
-                file.display(),
-                folder.display()
-            ),
-            None => Ok(()),
-        }
-    }
-
     /// What the scheme's paths are relative to.
     fn folder(&self) -> &Path {
         self.scheme.as_deref().and_then(Path::parent).unwrap_or(Path::new(""))
@@ -252,8 +223,9 @@ impl GradingArguments {
         Ok(scheme)
     }
 
-    /// The scheme's scenes; one that cannot be used is told by the tests that need it.
-    fn load_scenes(&self, scheme: &Scheme) -> anyhow::Result<Scenes> {
+    /// The scheme's scenes, and the files that they are made from; a scene that cannot be used is told by the tests
+    /// that need it.
+    fn load_scenes(&self, scheme: &Scheme) -> anyhow::Result<(Scenes, Vec<PathBuf>)> {
         let elsewhere = |id: &String| !scheme.scenes.contains_key(id);
         let needs_data = scheme.tests.iter().map(|test| &test.scene).any(elsewhere);
         let data = or_variable(self.data.as_deref(), "HAZCAM_DATA");
@@ -261,10 +233,25 @@ impl GradingArguments {
             Some(folder) if needs_data => dataset::open(folder).context("HAZCAM_DATA or --data")?,
             _ => Vec::new(),
         };
-        let remedy = match data {
+        let remedy = match &data {
             Some(_) => "look at what HAZCAM_DATA or --data names",
             None => "set HAZCAM_DATA, or --data, to the folder with the course's images",
         };
-        Ok(load_scenes(scheme, self.folder(), &cases, remedy, &scenes::render))
+        let sources = scheme.scenes.values().map(|source| source.within(self.folder()));
+        let of_source = |source| match source {
+            SceneSource::Files { left, right, truth, bounds, .. } => {
+                let bounds = bounds.filter(|bounds| bounds.ends_with(".npy")).map(PathBuf::from);
+                [left, right, truth].into_iter().chain(bounds).collect()
+            }
+            SceneSource::Rendered { .. } => Vec::new(),
+        };
+        let mut files: Vec<PathBuf> = sources.flat_map(of_source).collect();
+        let tested = |case: &&Case| scheme.tests.iter().any(|test| test.scene == case.id);
+        let of_cases = cases.iter().filter(tested).filter_map(Case::files);
+        files.extend(of_cases.flat_map(|files| files.all()).map(Path::to_owned));
+        let catalogue = data.map(|folder| folder.join("scenes.json"));
+        files.extend(catalogue.filter(|catalogue| catalogue.is_file()));
+        let scenes = load_scenes(scheme, self.folder(), &cases, remedy, &scenes::render);
+        Ok((scenes, files))
     }
 }

@@ -92,10 +92,10 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     args.entrant.check()?;
     let shows_text = args.output.is_some() || matches!(args.format.as_str(), "text" | "autolab");
     let workshop = Workshop::open(&args.grading)?;
-    let mut secrets = args.grading.scene_files(workshop.scheme());
-    args.check_output(&secrets)?;
-    secrets.extend(Some(board::place()).filter(|board| board.is_file()));
-    GradingArguments::keep_from(args.entrant.submission(), &secrets)?;
+    args.check_output(workshop.scene_files())?;
+    args.entrant.keep_from(workshop.scene_files())?;
+    args.entrant
+        .keep_from(&Vec::from_iter(Some(board::place()).filter(|board| board.is_file())))?;
     let (name, entrant) = args.entrant.open(&workshop)?;
     let grader = workshop.grader()?;
     args.grading.warn_if_unconfined(ui);

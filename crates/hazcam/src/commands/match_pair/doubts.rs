@@ -1,8 +1,8 @@
 //! What is doubtful about a pair and its answer, what it may come from, and what to do, in words.
 
-use std::path::Path;
+use std::path::{Display, Path};
 
-use matching::{Blurred, Doubt, VerticalDisparity, are_compressed, blurred, few_bits, few_levels};
+use matching::{Doubt, ImageDoubt, VerticalDisparity, few_bits, image_doubts};
 use raster::{DisparityRange, Image};
 
 use super::Args;
@@ -14,37 +14,32 @@ pub fn of_images(
     bits: Option<u32>,
 ) -> Vec<String> {
     let (left, right) = (left.display(), right.display());
-    let mut doubts = Vec::new();
-    if let Some(used) = few_bits(of_left, of_right).filter(|_| bits.is_none()) {
-        doubts.push(format!(
+    let unused = few_bits(of_left, of_right).filter(|_| bits.is_none()).map(|used| {
+        format!(
             "{left} and {right}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
              gives {used} bits, say --bits {used}",
             u16::BITS - used,
-        ));
-    }
-    if let Some([least, most]) = few_levels(of_left, of_right) {
-        doubts.push(format!(
-            "{left} and {right}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; \
-             spread them over 0 to 65535 before"
-        ));
-    }
-    if are_compressed(of_left, of_right) {
-        doubts.push(format!(
-            "{left} and {right} show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
-             both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
-        ));
-    }
-    let less_sharp = blurred(of_left, of_right).map(|blurred| match blurred {
-        Blurred::Left(ratio) => (left, right, ratio),
-        Blurred::Right(ratio) => (right, left, ratio),
+        )
     });
-    doubts.extend(less_sharp.map(|(less, more, ratio)| {
+    let less_sharp = |less: &Display<'_>, more: &Display<'_>, ratio: f64| {
         format!(
             "{more} has {ratio:.1} times as much fine detail as {less}: is one out of focus, moved, of another \
              resolution or noisier? Where edges are blurred in one image alone matches are off, and may be sure"
         )
-    }));
-    doubts
+    };
+    let others = image_doubts(of_left, of_right).into_iter().map(|doubt| match doubt {
+        ImageDoubt::FewLevels([least, most]) => format!(
+            "{left} and {right}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; \
+             spread them over 0 to 65535 before"
+        ),
+        ImageDoubt::Compressed => format!(
+            "{left} and {right} show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
+             both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
+        ),
+        ImageDoubt::LeftBlurred(ratio) => less_sharp(&left, &right, ratio),
+        ImageDoubt::RightBlurred(ratio) => less_sharp(&right, &left, ratio),
+    });
+    unused.into_iter().chain(others).collect()
 }
 
 /// How far the rows of a right image were off, and what that says of the cameras.
