@@ -35,6 +35,7 @@ use crate::refinement::plane_fill::fill;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::FixedPoint;
+use crate::selection::unseen;
 use crate::selection::winner::Winners;
 
 /// A winner is no match unless its sum is lower by at least this than every other disparity's, its two neighbours
@@ -276,6 +277,9 @@ impl SemiGlobalMatching {
             unchecked.reshape(map.values.columns(), map.values.rows(), 0.0);
             unchecked.samples_mut().copy_from_slice(map.values.samples());
             done = Work::bytes(2 * size_of_val(unchecked.samples()));
+        }
+        if let Some(vertical) = &self.vertical {
+            unseen::reject(vertical, search.rows, &mut self.right.map.values);
         }
         done = done + self.left.check(search, &self.right.map.values, self.right.map.first);
         if both {

@@ -4,4 +4,5 @@ pub(crate) mod both_views;
 pub(crate) mod confirm;
 pub(crate) mod cross_check;
 pub(crate) mod fixed_point;
+pub(crate) mod unseen;
 pub(crate) mod winner;

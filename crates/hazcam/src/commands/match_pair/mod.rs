@@ -22,8 +22,8 @@ use sidecar::{Inputs, Sidecar};
 /// Match two rectified images: a disparity for every pixel of the left one
 ///
 /// The images must be rectified: a point of the scene lies in the same row of both. What rectification
-/// left of that, up to about four rows where all is off alike, balanced and best find and mend. A disparity d says
-/// that left (x, y) shows what right (x - d, y) shows; it is in pixels.
+/// left of that, up to 24 rows, balanced and best find and mend. A disparity d says that left (x, y) shows what right
+/// (x - d, y) shows; it is in pixels.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The format of OUT follows its extension:

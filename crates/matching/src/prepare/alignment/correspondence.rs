@@ -2,8 +2,8 @@
 //!
 //! 1. Of four windows of a cell that with the strongest corner is taken: the least eigenvalue of the
 //!    sums of products of its gradients (Shi & Tomasi, *Good Features to Track*, 1994).
-//! 2. It is looked for along its row by normalised cross-correlation, and some rows above and below
-//!    where that finds nothing.
+//! 2. It is looked for along its row by normalised cross-correlation, and in rows above and below
+//!    where that finds nothing: beside it, or far away too ([`Reach`]).
 //! 3. From the best place on it is tracked along and across its row (Lucas & Kanade 1981), in windows
 //!    that are normalised too, so that cameras may differ in exposure and gain.
 
@@ -28,8 +28,10 @@ const _: () = assert!(FARTHEST <= AROUND as f32);
 pub(super) const MARGIN: usize = 13;
 /// The weakest corner: the least eigenvalue per pixel, of central differences in grey levels.
 const WEAKEST: f32 = 1.0;
-/// Rows at which a corner is looked for, one set after the other until it is found.
-const ROWS: [&[i64]; 2] = [&[0], &[-2, 2]];
+/// The row up and down in which a corner is looked for where its own does not show it: a track goes farther than one.
+const NEAR: usize = 2;
+/// So many rows up and down are looked through far away: all of them, since of fine texture nothing is alike one row off.
+const FAR: usize = 24;
 /// Correlation at whole pixels that counts as found, and one that is enough not to look on.
 const FOUND: f32 = 0.7;
 const CLEAR: f32 = 0.9;
@@ -38,6 +40,8 @@ const CLEAR: f32 = 0.9;
 const UNIQUE: f32 = 0.7;
 const LACKING: f32 = 0.01;
 const APART: usize = 3;
+/// ... or more than so many rows.
+const ROWS_APART: usize = 4;
 /// Correlation at the end of the track.
 const TRACKED: f32 = 0.9;
 const STEPS: usize = 8;
@@ -53,6 +57,27 @@ const LOST: f32 = 0.1;
 const _: () =
     assert!(MARGIN >= WIDE - 1 - BEFORE + AROUND + 2 && MARGIN >= TALL - 1 - ABOVE + AROUND + 2);
 const _: () = assert!(MARGIN > BEFORE + AROUND && MARGIN > ABOVE + AROUND);
+
+/// How far from its own row a corner is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reach {
+    /// In its row, and where that does not show it clearly [`NEAR`] it.
+    Near,
+    /// In all rows up to [`FAR`] away, which takes ten times as long and more.
+    Far,
+}
+
+impl Reach {
+    /// How far away the rows are, up and down.
+    #[inline(always)]
+    fn rows(self) -> impl Iterator<Item = usize> {
+        let (last, step) = match self {
+            Self::Near => (NEAR, NEAR),
+            Self::Far => (FAR, 1),
+        };
+        (0..=last).step_by(step)
+    }
+}
 
 type Lanes = Line<[f32; WIDE]>;
 pub(super) type Window = Line<[[f32; WIDE]; TALL]>;
@@ -77,11 +102,12 @@ pub(super) fn looked() -> Work {
     Work::bytes(4 * (WIDE + 2) * (TALL + 2)) + Work::operations(4 * 8 * 4 * WIDE * TALL)
 }
 
-/// What it takes to find a corner at the least: along one row all columns of its windows are read, each
+/// What it takes to find a corner at the least: along each row all columns of its windows are read, each
 /// place takes a product and a sum of 32 bits per pixel.
-pub(super) fn work(columns: usize, range: DisparityRange) -> Work {
+pub(super) fn work(columns: usize, range: DisparityRange, reach: Reach) -> Work {
     let places = range.count().min(columns);
-    Work::bytes(TALL * (places + WIDE)) + Work::operations(4 * 2 * WIDE * TALL) * places
+    let rows = if reach == Reach::Far { 2 * FAR + 1 } else { 1 };
+    (Work::bytes(TALL * (places + WIDE)) + Work::operations(4 * 2 * WIDE * TALL) * places) * rows
 }
 
 at_every_level! {
@@ -89,13 +115,13 @@ at_every_level! {
     pub(super) fn correspond[products](
         images: [View<'_, u8>; 2],
         cell: (Range<usize>, Range<usize>),
-        range: DisparityRange,
+        searched: (DisparityRange, Reach),
         scores: &mut Scores,
     ) -> Option<Correspondence> {
         let [left, right] = images;
         let corner = corner(left, cell)?;
         let pattern = Pattern::of(left, corner)?;
-        let start = find(products, &pattern, right, corner, range, scores)?;
+        let start = find(products, &pattern, right, corner, searched, scores)?;
         let (along, down, noise) = track(left, corner, right, start)?;
         let column = start.x as f32 + along;
         let down = start.y as f32 + down - corner.y as f32;
@@ -192,7 +218,7 @@ fn find(
     wanted: &Pattern,
     right: View<'_, u8>,
     corner: Place,
-    range: DisparityRange,
+    (range, reach): (DisparityRange, Reach),
     scores: &mut Scores,
 ) -> Option<Place> {
     let last = right.columns() - 1 - MARGIN;
@@ -203,16 +229,21 @@ fn find(
         return None;
     }
     let (first, count) = (first as usize, (end - first) as usize);
-    let mut best = (FOUND, None);
-    for rows in ROWS {
-        for apart in rows {
-            let y = corner.y as i64 + apart;
-            if y < MARGIN as i64 || y > (right.rows() - 1 - MARGIN) as i64 {
+    let inside = MARGIN..right.rows() - MARGIN;
+    // The best place, and how good the next one of its row is.
+    let mut best = (FOUND, None, 0.0);
+    // How good the best place of each row is, from the farthest row above on.
+    let mut tops = [0.0; 2 * FAR + 1];
+    for apart in reach.rows() {
+        let both = [FAR - apart, FAR + apart];
+        for down in both.into_iter().skip(usize::from(apart == 0)) {
+            let y = (corner.y + down).wrapping_sub(FAR);
+            if !inside.contains(&y) {
                 continue;
             }
-            let y = y as usize;
             let scores = correlate(products, wanted, right, y, first, count, scores);
             let top = largest(scores);
+            tops[down] = top;
             if top > best.0 {
                 let place = scores.iter().position(|&score| score == top).unwrap_or(0);
                 let others = [
@@ -220,15 +251,19 @@ fn find(
                     &scores[(place + APART + 1).min(count)..],
                 ];
                 let next = others.map(largest).into_iter().fold(0.0, f32::max);
-                let is_unique = (1.0 - top).max(LACKING) < UNIQUE * (1.0 - next);
-                best = (top, is_unique.then_some(Place { x: first + place, y }));
+                best = (top, Some(Place { x: first + place, y }), next);
             }
         }
-        if best.0 >= CLEAR {
+        if reach == Reach::Near && best.0 >= CLEAR {
             break;
         }
     }
-    best.1
+    let (top, place, next) = best;
+    let place = place?;
+    let row = place.y + FAR - corner.y;
+    let far = tops.iter().enumerate().filter(|(other, _)| row.abs_diff(*other) > ROWS_APART);
+    let next = far.fold(next, |next, (_, &top)| next.max(top));
+    ((1.0 - top).max(LACKING) < UNIQUE * (1.0 - next)).then_some(place)
 }
 
 /// Rows and columns of a window that is smoothed, with room around it to move by [`AROUND`].
@@ -382,9 +417,9 @@ pub(super) mod tests {
     }
 
     fn found(level: Level, images: &[Plane<u8>; 2]) -> Option<Correspondence> {
-        let range = DisparityRange::new(-5, 25).unwrap();
+        let searched = (DisparityRange::new(-5, 25).unwrap(), Reach::Near);
         let views = images.each_ref().map(Plane::view);
-        correspond(level, views, CELL, range, &mut Scores::default())
+        correspond(level, views, CELL, searched, &mut Scores::default())
     }
 
     #[test]

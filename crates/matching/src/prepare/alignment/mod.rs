@@ -7,7 +7,8 @@
 //!
 //! 1. Corners (Shi & Tomasi 1994) spread over the left image are matched in the right one, some rows
 //!    up and down too, to a fraction of a pixel ([`correspondence`]).
-//! 2. A smooth model is fitted to how far they stand above or below their row ([`model`]).
+//! 2. A smooth model is fitted to how far they stand above or below their row ([`model`]). Where there are corners
+//!    enough but no model holds, they are looked for once more, in many rows.
 //! 3. Where that comes to something, every pixel of the right image is taken from there ([`resample`]).
 //!
 //! What the windows of a corner do not share once it is found is the noise of both images.
@@ -25,7 +26,7 @@ use raster::{DisparityRange, Plane, View};
 use rayon::prelude::*;
 
 use self::correlation::Scores;
-use self::correspondence::{Correspondence, MARGIN, correspond};
+use self::correspondence::{Correspondence, MARGIN, Reach, correspond};
 pub use self::model::VerticalDisparity;
 use self::resample::{resample_8_bit, resample_16_bit};
 use crate::kernels::level::Level;
@@ -154,6 +155,20 @@ impl Alignment {
         images: [View<'_, u8>; 2],
         range: DisparityRange,
     ) -> (Option<VerticalDisparity>, Work) {
+        let (near, work) = self.measure_within(level, images, (range, Reach::Near));
+        if near.is_some() {
+            return (near, work);
+        }
+        let (far, work_far) = self.measure_within(level, images, (range, Reach::Far));
+        (far, work + work_far)
+    }
+
+    fn measure_within(
+        &mut self,
+        level: Level,
+        images: [View<'_, u8>; 2],
+        searched: (DisparityRange, Reach),
+    ) -> (Option<VerticalDisparity>, Work) {
         let Self { found, residuals, scores, .. } = self;
         let (columns, rows) = (images[0].columns(), images[0].rows());
         if found.is_empty() {
@@ -172,12 +187,13 @@ impl Alignment {
                 };
                 let x = ends(cell % across, across, inside.0);
                 let y = ends(cell / across, down, inside.1);
-                *found = correspond(level, images, (x, y), range, scores);
+                *found = correspond(level, images, (x, y), searched, scores);
             }
         });
         let followed = found.iter().flatten();
+        let (range, reach) = searched;
         let work = correspondence::looked() * found.len()
-            + correspondence::work(columns, range) * followed.clone().count();
+            + correspondence::work(columns, range, reach) * followed.clone().count();
         (VerticalDisparity::fit(followed, (columns, rows), residuals), work)
     }
 }
@@ -285,6 +301,21 @@ mod tests {
     }
 
     #[test]
+    fn rows_that_are_off_by_many_are_found_and_no_others() {
+        let found = |dy: &dyn Fn(f64, f64) -> f64| aligned(Level::detect(), &pair(dy)).1;
+        for down in [-24.0, -11.0, -7.5, 5.0, 17.3, 24.0] {
+            let vertical = found(&|_, _| down).expect("they are within reach");
+            assert!((vertical.at(100.0, 80.0) - down).abs() < 0.1, "{down}: {vertical:?}");
+        }
+        let rolled = found(&|x, _| 0.1 * (x - 100.0)).expect("they are within reach");
+        for x in [0.0, 60.0, 199.0] {
+            let off = rolled.at(x, 80.0) - 0.1 * (x - 100.0);
+            assert!(off.abs() < 0.4, "column {x}: {off}");
+        }
+        assert_eq!(found(&|_, _| 30.0), None);
+    }
+
+    #[test]
     fn what_is_rectified_or_cannot_be_told_is_left_alone() {
         let straight = pair(|_, _| 0.03);
         assert_eq!(aligned(Level::detect(), &straight), (straight[1].clone(), None));
@@ -312,13 +343,14 @@ mod tests {
                 for pair in [[part(0, 0), part(along, down)], [part(along, down), part(0, 0)]] {
                     let (image, vertical) = aligned(Level::detect(), &pair);
                     assert_eq!(image.size(), (columns, rows));
-                    // A few corners tell nothing, many tell two rows; noise is followed no farther.
+                    // A few corners tell nothing, many tell how many rows.
                     let found = vertical.map_or(0.0, |vertical| vertical.largest());
-                    let is_two = (found - 2.0).abs() < 0.1;
+                    let is_right = (found - down as f64).abs() < 0.1;
                     let enough = columns.min(rows) > 120;
-                    let expected =
-                        if down == 2 { is_two || (!enough && found == 0.0) } else { found == 0.0 };
-                    assert!(expected, "{columns} x {rows}, {down}: {found}");
+                    assert!(
+                        is_right || (!enough && found == 0.0),
+                        "{columns} x {rows}, {down}: {found}"
+                    );
                 }
             }
         }

@@ -90,9 +90,19 @@ impl VerticalDisparity {
 
     /// That at the first column of row `y`, and the change from column to column.
     #[inline(always)]
-    pub(super) fn along_row(&self, y: usize) -> (f32, f32) {
+    pub(crate) fn along_row(&self, y: usize) -> (f32, f32) {
         let [first, next] = [0.0, 1.0].map(|x| self.at(x, y as f64));
         (first as f32, (next - first) as f32)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of_shapes(size: (usize, usize), coefficients: [f64; SHAPES]) -> Self {
+        Self { size, coefficients }
+    }
+
+    /// Rows of the image.
+    pub(crate) fn rows(&self) -> usize {
+        self.size.1
     }
 
     /// Evenly spread places of the image.
