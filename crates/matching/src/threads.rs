@@ -19,7 +19,9 @@ pub(crate) fn start(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> 
     }?;
     // Memory allocators set some aside for a thread that asks for the first time (glibc 64 MB of addresses): all are
     // to have theirs before anybody looks at what the process has taken and may take.
-    pool.broadcast(|_| drop(std::hint::black_box(Vec::<u8>::with_capacity(1))));
+    run_in(&pool, || {
+        rayon::broadcast(|_| drop(std::hint::black_box(Vec::<u8>::with_capacity(1))));
+    });
     Ok(pool)
 }
 
@@ -68,21 +70,23 @@ mod tests {
     fn a_worker_of_another_pool_takes_up_nothing_else_while_it_waits() {
         use std::sync::atomic::{AtomicBool, Ordering};
         let (pool, callers) = (start(1).unwrap(), start(1).unwrap());
-        let is_waiting = AtomicBool::new(false);
-        let (done, was_waiting) = callers.install(|| {
+        // Long enough for the caller to look for other work.
+        let work = || std::thread::sleep(std::time::Duration::from_millis(50));
+        let to_run = || run_in(&pool, work);
+        // Of many threads it takes a while to have all.
+        let to_start = || drop(start(200).unwrap());
+        let waits: [&(dyn Fn() + Sync); 2] = [&to_run, &to_start];
+        for waits in waits {
+            let is_waiting = AtomicBool::new(false);
             let wait = || {
                 is_waiting.store(true, Ordering::SeqCst);
-                let done = run_in(&pool, || {
-                    // Long enough for the caller to look for other work.
-                    std::thread::sleep(std::time::Duration::from_millis(50));
-                    7
-                });
+                waits();
                 is_waiting.store(false, Ordering::SeqCst);
-                done
             };
-            rayon::join(wait, || is_waiting.load(Ordering::SeqCst))
-        });
-        assert_eq!((done, was_waiting), (7, false));
+            let look = || is_waiting.load(Ordering::SeqCst);
+            let ((), was_waiting) = callers.install(|| rayon::join(wait, look));
+            assert!(!was_waiting);
+        }
     }
 
     #[test]

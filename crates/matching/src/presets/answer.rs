@@ -15,9 +15,6 @@ use crate::refinement::rows_between::{self, All, Matched};
 pub(super) const ONE_SURFACE: f32 = 3.0;
 /// What confidence is left of a pixel that got its disparity from its neighbours.
 const FILLED: f32 = 0.05;
-/// And of a match at an end of the range: of what is nearer than the range a quarter to a half gets its disparity
-/// there, and at disparity 0, where most ranges begin, is what both cameras have in one place, as dust on lenses and blocks of compression.
-const AT_END: f32 = 0.05;
 
 /// Its memory.
 #[derive(Default)]
@@ -39,14 +36,13 @@ impl Answer {
         confidence: &mut Plane<f32>,
         map: &mut DisparityMap,
     ) -> Work {
-        let Search { level, left, work, rows, numbers, range, .. } = search;
+        let Search { level, left, work, rows, numbers, .. } = search;
         let columns = work.columns();
         let of_rows = confidence.samples_mut().par_chunks_exact_mut(columns);
         let of_rows = of_rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();
-        let ends = numbers.ends(range);
         of_rows.for_each(|(y, (confidence, reasons))| {
             blank::reject(level, left, (work.x0, work.y0 + rows.apart * y), reasons);
-            trust(level, judged, ends, steps.row(y), reasons, confidence);
+            trust(level, judged, reasons, confidence);
         });
         let matched = Matched { steps, reasons: &*reasons, confidence: &*confidence };
         let all = All {
@@ -58,7 +54,7 @@ impl Answer {
         };
         let same = numbers.steps(ONE_SURFACE);
         // Confidence is read and written for what becomes of it by reasons and disparities.
-        let trusted = (Work::bytes(2 * 4 + 1 + 2) + blank::work(left)) * (columns * rows.count);
+        let trusted = (Work::bytes(2 * 4 + 1) + blank::work(left)) * (columns * rows.count);
         trusted + rows_between::spread(level, rows.apart, same, search.left_part(), matched, all)
     }
 
@@ -70,27 +66,23 @@ impl Answer {
         bounds: BoundingBox,
         answer: &mut DisparityMap,
     ) -> Work {
-        let Search { ingredients, level, work, numbers, .. } = search;
+        let Search { ingredients, level, work, numbers, range, .. } = search;
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
-        let map = Steps { steps: &self.steps, numbers, first: (work.x0, work.y0) };
+        let map = Steps { steps: &self.steps, numbers, first: (work.x0, work.y0), range };
         let smooths = ingredients.has(Ingredient::Median);
         self.medians.of_box(level, smooths, map, bounds, height, answer)
     }
 }
 
 at_every_level! {
-    /// Lowers the confidence of what was filled, and of what lies at an end of the range, beyond which it may go on.
-    /// Where no judge looks, the paths know nothing of what they do not see.
-    fn trust(judged: bool, ends: [u16; 2], steps: &[u16], reasons: &[Reason], confidence: &mut [f32]) {
+    /// Lowers the confidence of what was filled. Where no judge looks, the paths know nothing of what they do not see.
+    fn trust(judged: bool, reasons: &[Reason], confidence: &mut [f32]) {
         let unseen = if judged { FILLED } else { 0.0 };
-        let [farthest, nearest] = ends;
-        for ((confidence, &reason), &steps) in confidence.iter_mut().zip(reasons).zip(steps) {
+        for (confidence, &reason) in confidence.iter_mut().zip(reasons) {
             let hidden =
                 (reason == Reason::OccludedFilled) | (reason == Reason::OutsideRightFilled);
             let filled = if hidden { unseen } else { FILLED };
-            let at_end = (steps < farthest) | (steps >= nearest);
-            let matched = if at_end { AT_END } else { 1.0 };
-            *confidence *= if reason == Reason::Matched { matched } else { filled };
+            *confidence *= if reason == Reason::Matched { 1.0 } else { filled };
         }
     }
 }
@@ -98,44 +90,22 @@ at_every_level! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::SearchSpace;
     use crate::kernels::level::Level;
-    use crate::selection::fixed_point::FixedPoint;
-    use raster::DisparityRange;
 
     #[test]
-    fn what_was_filled_or_lies_at_an_end_is_trusted_less_at_every_level() {
+    fn what_was_filled_is_trusted_less_at_every_level() {
         use Reason::{Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled};
-        let range = |min| DisparityRange::new(min, min + 10).unwrap();
-        let numbers = |min| {
-            let bounds = BoundingBox::whole(100, 1);
-            FixedPoint::new(&SearchSpace::new(100, bounds, range(min)))
-        };
         let reasons = [Matched, OccludedFilled, MismatchedFilled, OutsideRightFilled].repeat(9);
         for level in Level::available() {
             eprintln!("level {}", level.name());
-            // So many pixels from the smallest disparity on.
-            let confidence = |judged, min, pixels: f32| {
-                let (mut confidence, numbers) = (vec![0.8; reasons.len()], numbers(min));
-                let steps = vec![numbers.steps(pixels); reasons.len()];
-                trust(level, judged, numbers.ends(range(min)), &steps, &reasons, &mut confidence);
+            let confidence = |judged| {
+                let mut confidence = vec![0.8; reasons.len()];
+                trust(level, judged, &reasons, &mut confidence);
                 confidence
             };
-            let (filled, end) = (0.8 * FILLED, 0.8 * AT_END);
-            assert_eq!(confidence(true, 0, 4.0), [0.8, filled, filled, filled].repeat(9));
-            assert_eq!(confidence(false, 0, 4.0), [0.8, 0.0, filled, 0.0].repeat(9));
-            for (min, pixels, expected) in [
-                (0, 9.4, 0.8),
-                (0, 9.5, end),
-                (0, 10.4, end),
-                (0, 0.0, end),
-                (3, 0.0, end),
-                (3, 0.5, end),
-                (-3, 0.6, 0.8),
-                (-3, 0.4, end),
-            ] {
-                assert_eq!(confidence(true, min, pixels)[0], expected, "{pixels} from {min} on");
-            }
+            let filled = 0.8 * FILLED;
+            assert_eq!(confidence(true), [0.8, filled, filled, filled].repeat(9));
+            assert_eq!(confidence(false), [0.8, 0.0, filled, 0.0].repeat(9));
         }
     }
 }

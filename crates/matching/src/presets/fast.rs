@@ -204,7 +204,7 @@ impl Fast {
     ) -> Work {
         let bounds = frame.bounds;
         let first = (bounds.x0, bounds.y0);
-        let steps = Steps { steps: &self.disparities, numbers, first };
+        let steps = Steps { steps: &self.disparities, numbers, first, range: frame.range };
         self.medians.of_box(self.level, true, steps, bounds, height, map)
     }
 }

@@ -384,9 +384,10 @@ impl SemiGlobalMatching {
                 map.values.samples_mut().fill(nowhere);
                 // A column's reason is also that of the one between, which may see more.
                 let rows = map.values.samples().chunks_exact(width);
-                for (values, reasons) in rows.zip(map.reasons.samples_mut().chunks_exact_mut(width))
-                {
-                    outside::mark(level, width, 0, values, reasons);
+                let reasons = map.reasons.samples_mut().chunks_exact_mut(width);
+                let confidence = map.confidence.samples_mut().chunks_exact_mut(width);
+                for (values, (reasons, confidence)) in rows.zip(reasons.zip(confidence)) {
+                    outside::mark(level, width, 0, range, values, reasons, confidence);
                 }
                 Work::default()
             }

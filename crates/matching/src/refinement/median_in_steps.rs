@@ -4,7 +4,7 @@
 //! In: a map without holes, of a part of the image; beyond its borders it is repeated. Out: the rows of
 //! a box inside that part. Bands of rows are done by a thread each; the answer does not depend on them.
 
-use raster::{BoundingBox, DisparityMap, Plane};
+use raster::{BoundingBox, DisparityMap, DisparityRange, Plane};
 use rayon::prelude::*;
 
 use super::outside;
@@ -20,6 +20,8 @@ pub(crate) struct Steps<'a> {
     pub numbers: FixedPoint,
     /// The image's column and row at which it begins.
     pub first: (usize, usize),
+    /// The disparities that were searched.
+    pub range: DisparityRange,
 }
 
 /// Its memory: a row for each band.
@@ -28,7 +30,8 @@ pub(crate) struct Medians(Vec<Vec<u16>>);
 
 impl Medians {
     /// Writes the medians of a box of the image into `answer`, in pixels; without `smooths`, the
-    /// disparities as they are. Its reasons are told what now lies outside the right image. A band has so many rows.
+    /// disparities as they are. Its reasons and confidence are told what now lies outside the right image, or at an end
+    /// of the range. A band has so many rows.
     pub fn of_box(
         &mut self,
         level: Level,
@@ -38,31 +41,35 @@ impl Medians {
         height: usize,
         answer: &mut DisparityMap,
     ) -> Work {
-        let Steps { steps, numbers, first: (x0, y0) } = map;
+        let Steps { steps, numbers, first: (x0, y0), range } = map;
         let (dx, dy) = (bounds.x0 - x0, bounds.y0 - y0);
         let width = answer.values.columns();
         let bands = bounds.rows().div_ceil(height).max(rayon::current_num_threads());
         self.0.resize_with(bands, Vec::new);
         let of_box = bounds.y0 * width..(bounds.y1 + 1) * width;
         let values = answer.values.samples_mut()[of_box.clone()].par_chunks_mut(height * width);
-        let reasons = answer.reasons.samples_mut()[of_box].par_chunks_mut(height * width);
-        let bands = self.0.par_iter_mut().zip(values).zip(reasons);
-        bands.enumerate().for_each(|(i, ((medians, values), reasons))| {
+        let reasons = answer.reasons.samples_mut()[of_box.clone()].par_chunks_mut(height * width);
+        let confidence = answer.confidence.samples_mut()[of_box].par_chunks_mut(height * width);
+        let known = reasons.zip(confidence);
+        let bands = self.0.par_iter_mut().zip(values).zip(known);
+        bands.enumerate().for_each(|(i, ((medians, values), (reasons, confidence)))| {
             medians.resize(steps.columns(), 0);
-            let rows = values.chunks_exact_mut(width).zip(reasons.chunks_exact_mut(width));
-            for (y, (row, reasons)) in (dy + i * height..).zip(rows) {
+            let known = reasons.chunks_exact_mut(width).zip(confidence.chunks_exact_mut(width));
+            let rows = values.chunks_exact_mut(width).zip(known);
+            for (y, (row, (reasons, confidence))) in (dy + i * height..).zip(rows) {
                 if smooths {
                     median_of_5_rows(level, rows_around(steps, y), medians);
                 } else {
                     medians.copy_from_slice(steps.row(y));
                 }
-                let row = &mut row[bounds.x0..=bounds.x1];
+                let part = bounds.x0..=bounds.x1;
+                let (row, reasons) = (&mut row[part.clone()], &mut reasons[part.clone()]);
                 row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
-                outside::mark(level, width, bounds.x0, row, &mut reasons[bounds.x0..=bounds.x1]);
+                outside::mark(level, width, bounds.x0, range, row, reasons, &mut confidence[part]);
             }
         });
         let median = if smooths { median::OPERATIONS } else { 0 };
-        let pixel = Work::bytes(2 + 4 + 2) + Work::operations(median);
+        let pixel = Work::bytes(2 + 4 + 2 + 8) + Work::operations(median);
         pixel * (bounds.columns() * bounds.rows())
     }
 }
@@ -71,17 +78,17 @@ impl Medians {
 mod tests {
     use super::*;
     use crate::cost::SearchSpace;
-    use raster::DisparityRange;
 
     #[test]
     fn a_box_has_the_medians_of_the_map_around_it_whatever_the_bands() {
         let (columns, rows) = (40, 23);
         let part = BoundingBox::new(3, 5, 30, 20).unwrap();
-        let space = SearchSpace::new(columns, part, DisparityRange::new(-4, 20).unwrap());
+        let range = DisparityRange::new(-4, 20).unwrap();
+        let space = SearchSpace::new(columns, part, range);
         let numbers = FixedPoint::new(&space);
         let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 6000;
         let steps = Plane::from_fn(part.columns(), part.rows(), |x, y| scramble(x, y) as u16);
-        let map = Steps { steps: &steps, numbers, first: (part.x0, part.y0) };
+        let map = Steps { steps: &steps, numbers, first: (part.x0, part.y0), range };
         let median = |x: usize, y: usize| {
             let near = |at: usize, by: usize, end: usize| (at + by).saturating_sub(2).min(end - 1);
             let mut window: Vec<u16> = (0..25)

@@ -1,7 +1,8 @@
-//! Which pixels show what lies outside the right image, said once more of the finished disparities: columns and
-//! rows between the matched ones, and the median, move disparities across its border.
+//! Which pixels show what lies outside the right image, and which of them are to be believed, said once more of the
+//! finished disparities: columns and rows between the matched ones, and the median, move disparities across its border
+//! and to the ends of the range.
 
-use raster::Reason;
+use raster::{DisparityRange, Reason};
 
 use crate::kernels::level::at_every_level;
 
@@ -12,14 +13,34 @@ pub(crate) fn is_outside(width: usize, column: usize, disparity: f32) -> bool {
     (right < -0.5) | (right > width as f32 - 0.5)
 }
 
+/// The most that is believed of what was filled, and of what lies within half a pixel of an end of the range: of what is
+/// nearer than the range a quarter to a half gets its disparity there, and at disparity 0, where most ranges begin, is
+/// what both cameras have in one place, as dust on lenses and blocks of compression.
+const UNSURE: f32 = 0.05;
+
 at_every_level! {
     /// Sets the reasons of a row of disparities that begins at a column of the image: what lies outside is so
-    /// marked, and nothing else is. What was marked and came back was extrapolated, not matched.
-    pub(crate) fn mark(width: usize, first: usize, disparities: &[f32], reasons: &mut [Reason]) {
-        use Reason::{MismatchedFilled, OutsideRightFilled};
-        for (x, (&disparity, reason)) in disparities.iter().zip(reasons).enumerate() {
+    /// marked, and nothing else is. What was marked and came back was extrapolated, not matched. Of all that is no
+    /// match within the range little confidence is left.
+    pub(crate) fn mark(
+        width: usize,
+        first: usize,
+        range: DisparityRange,
+        disparities: &[f32],
+        reasons: &mut [Reason],
+        confidence: &mut [f32],
+    ) {
+        use Reason::{Matched, MismatchedFilled, OutsideRightFilled};
+        let (farthest, nearest) = (range.min() as f32 + 0.5, range.max() as f32 - 0.5);
+        let known = reasons.iter_mut().zip(confidence);
+        for (x, (&disparity, (reason, confidence))) in disparities.iter().zip(known).enumerate() {
             let inside = if *reason == OutsideRightFilled { MismatchedFilled } else { *reason };
-            *reason = if is_outside(width, first + x, disparity) { OutsideRightFilled } else { inside };
+            let told = if is_outside(width, first + x, disparity) { OutsideRightFilled } else { inside };
+            let is_unsure =
+                (told != Matched) | (disparity <= farthest) | (disparity >= nearest);
+            let most = if is_unsure { UNSURE } else { 1.0 };
+            *confidence = if *confidence < most { *confidence } else { most };
+            *reason = told;
         }
     }
 }
@@ -46,7 +67,16 @@ mod tests {
         for level in Level::available() {
             eprintln!("level {}", level.name());
             let mut reasons: Vec<Reason> = row.iter().map(|pixel| pixel.1).collect();
-            mark(level, 60, 3, &disparities, &mut reasons);
+            let mut confidence: Vec<f32> = (0..70).map(|x| (x % 5) as f32 / 100.0 + 0.02).collect();
+            confidence[20..].iter_mut().for_each(|confidence| *confidence += 0.5);
+            let before = confidence.clone();
+            let range = DisparityRange::new(-1, 4).unwrap();
+            mark(level, 60, 3, range, &disparities, &mut reasons, &mut confidence);
+            for (x, (now, before)) in confidence.iter().zip(before).enumerate() {
+                let at_end = disparities[x] <= -0.5 || disparities[x] >= 3.5;
+                let is_sure = reasons[x] == Matched && !at_end;
+                assert_eq!(*now, if is_sure { before } else { before.min(UNSURE) }, "column {x}");
+            }
             let mut moved = [0; 2];
             for (x, (&(disparity, before), &now)) in row.iter().zip(&reasons).enumerate() {
                 let right = (3 + x) as f32 - disparity;

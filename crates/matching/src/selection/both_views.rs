@@ -192,7 +192,8 @@ at_every_level! {
         let (last, columns) = (space.count as i32 - 1, space.columns() as i32);
         // The left column that disparity 0 of the first pixel meets.
         let meets = space.mirrored(space.first) as i32;
-        // Their sums stand along a diagonal, of which every second column has but one.
+        // Their sums stand along a diagonal, of which every second column has but one: the others are those of the
+        // pixels beside it then. Where one of these is less the fraction lies beyond a half, and confirms nobody.
         let (shift, apart) = if space.apart == 1 { (0, space.lanes + 1) } else { (1, 1) };
         let mut pixels = [0.0; BLOCK];
         for (block, values) in values.chunks_mut(BLOCK).enumerate() {

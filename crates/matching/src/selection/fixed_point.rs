@@ -5,8 +5,6 @@
 //! is the largest power of two, up to 256, at which the whole range fits: at 64 disparities a step
 //! is 1/256 pixel, at 1000 it is 1/64.
 
-use raster::DisparityRange;
-
 use crate::cost::SearchSpace;
 use crate::kernels::level::at_every_level;
 
@@ -40,15 +38,6 @@ impl FixedPoint {
     /// So many pixels as steps, rounded down.
     pub fn steps(self, pixels: f32) -> u16 {
         (pixels * f32::from(self.scale)) as u16
-    }
-
-    /// What lies within half a pixel of the ends of the range that is searched: steps below the first number, and
-    /// those from the second on.
-    pub fn ends(self, range: DisparityRange) -> [u16; 2] {
-        let half = self.scale / 2;
-        let last = usize::from(self.scale) * (range.count() - 1);
-        let nearest = last.saturating_sub(half.into()) as u16;
-        [half + 1, nearest]
     }
 
     /// The disparity in pixels; NaN for a [`HOLE`].

@@ -306,9 +306,8 @@ fn meet_block(turns: &[Vec<u16>; TURNS], apart: u32, right: &mut [Key]) {
     }
 }
 
-/// Where the tip of a V through three costs lies, the second of which is the least, the shape
-/// ("equiangular") that absolute differences have around their minimum (Shimizu & Okutomi 2001):
-/// between -1/2 and 1/2, 0 where all are equal.
+/// Where the tip of a V through three costs lies, the shape ("equiangular") that absolute differences have around their
+/// minimum (Shimizu & Okutomi 2001): 0 where all are equal, between -1/2 and 1/2 where the second is the least.
 #[inline(always)]
 pub(crate) fn tip_of_v(before: f32, least: f32, after: f32) -> f32 {
     let rise = before.max(after) - least;
