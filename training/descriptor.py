@@ -91,7 +91,7 @@ def read_grey(path):
     image = np.asarray(Image.open(path))
     if image.ndim == 3:
         image = (image[..., :3].astype(np.int64) @ [299, 587, 114] + 500) // 1000
-    return (image // 257 if image.dtype == np.uint16 else image).astype(np.uint8)
+    return (image >> 8 if image.dtype == np.uint16 else image).astype(np.uint8)
 
 
 def beside_steps(truth):

@@ -186,7 +186,7 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("choices: {error}");
+            eprintln!("hazcam-training: {error}");
             ExitCode::FAILURE
         }
     }

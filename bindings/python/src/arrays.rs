@@ -6,6 +6,7 @@ use numpy::{
 };
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use raster::Plane;
 
 use crate::arguments::shown;
@@ -18,7 +19,15 @@ pub fn array<'a, 'py>(
     needed: &str,
 ) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
     let Ok(array) = value.cast::<PyUntypedArray>() else {
-        let remedy = format!("{needed}: numpy.asarray({name}) may be one");
+        let remedy = if value.is_none() {
+            format!(
+                "{needed}: cv2.imread gives None for a file that it cannot read, hazcam.read_image says why"
+            )
+        } else if value.is_instance_of::<PyString>() || value.hasattr("__fspath__")? {
+            format!("{needed}: hazcam.read_image({name}) or another reader of hazcam's gives one")
+        } else {
+            format!("{needed}: numpy.asarray({name}) may be one")
+        };
         return Err(wrong_type(name, shown(value), remedy));
     };
     // Its copies and views would forget what is masked.

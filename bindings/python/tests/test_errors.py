@@ -323,6 +323,15 @@ TYPES = [
         f"`left` is [[1, 2]] (list), but {IMAGE}: numpy.asarray(left) may be one",
     ),
     (
+        lambda: fast(left=None),
+        f"`left` is None (NoneType), but {IMAGE}: cv2.imread gives None for a file that it cannot read, "
+        "hazcam.read_image says why",
+    ),
+    (
+        lambda: fast(left="left.png"),
+        f"`left` is 'left.png' (str), but {IMAGE}: hazcam.read_image(left) or another reader of hazcam's gives one",
+    ),
+    (
         lambda: fast(right=GREY.astype(np.float32)),
         f"`right` is an array of float32 with shape (6, 9), but {IMAGE}: "
         "numpy.rint(right).astype(numpy.uint8) makes one where white is 255, "

@@ -68,3 +68,12 @@ def test_a_factor_between_the_two_is_told():
         hazcam.score(4 * truth, truth)
     with pytest.warns(hazcam.HazcamWarning, match="`truth` were divided by 16: is it in pixels"):
         hazcam.score(truth, 16 * truth)
+    with pytest.warns(hazcam.HazcamWarning, match="`disparity` had the other sign"):
+        hazcam.score(-truth, truth)
+
+
+def test_zeros_that_stand_for_unknown_speak_for_no_factor(recwarn):
+    truth = np.arange(10.0, 60.0).reshape(5, 10)
+    truth[:4] = 0
+    hazcam.score(np.full((5, 10), 30.0), truth)
+    assert not recwarn.list

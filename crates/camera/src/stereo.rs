@@ -26,7 +26,7 @@ pub struct CameraError {
 }
 
 /// By how much disparities are taken to be off where nobody says it, in pixels: of those that `balanced` and `best`
-/// are sure of, 95 of 100 lie about that near to the truth, or nearer (docs/RELIABILITY.md).
+/// are sure of, 93 of 100 lie as near to the truth as that (docs/RELIABILITY.md).
 pub const DISPARITY_ERROR: f64 = 1.0;
 
 /// Column and row of the middle of an image of `(columns, rows)`, to the half pixel: the principal point

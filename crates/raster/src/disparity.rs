@@ -79,12 +79,14 @@ impl Reason {
 /// Compare the bits of its values ([`f32::to_bits`]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DisparityMap {
-    /// Disparity in pixels, `x_right = x_left - d`; NaN exactly where the reason has no value.
+    /// Disparity in pixels, `x_right = x_left - d`; NaN exactly where the reason has no value. All of a matcher's,
+    /// filled ones too, lie within the range that was asked for.
     pub values: Plane<f32>,
     /// Why the pixel has this value or none.
     pub reasons: Plane<Reason>,
     /// How sure the value is, 0 (a guess) to 1; 0 where there is no value. It ranks pixels and is no
-    /// probability: `hazcam bench --reliability` tells how many are wrong from which value on.
+    /// probability: `hazcam bench --reliability` tells how many are wrong from which value on. What is filled, and what
+    /// lies within half a pixel of an end of the range, has .05 at the most, in `fast` 0 or next to it.
     pub confidence: Plane<f32>,
 }
 

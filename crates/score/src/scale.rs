@@ -14,24 +14,23 @@ const BAD: f64 = 2.0;
 /// The factor by which the estimate seems to be too large (below 1: too small; -1: of the other sign), or `None`.
 ///
 /// It is suspected only when most estimates are bad as they are and dividing them by the factor
-/// makes fewer than half as many bad. A guess for a message: nothing is rescaled.
+/// makes fewer than half as many bad, and fewer than half as many as no disparity at all would have: a large factor
+/// brings everything near 0. Truths of 0, in files that mean "unknown" by it, say nothing. A guess for a message:
+/// nothing is rescaled.
 pub fn suspected_scale(pixels: &Pixels<'_>) -> Option<f64> {
-    let bad = |factor: f64| {
-        pixels
-            .iter()
-            .filter(|pixel| pixel.estimate.is_some_and(|e| (e / factor - pixel.truth).abs() > BAD))
-            .count()
-    };
+    let known = || pixels.iter().filter(|pixel| pixel.truth != 0.0);
+    let estimated = || known().filter_map(|pixel| Some((pixel.estimate?, pixel.truth)));
+    let bad = |times: f64| estimated().filter(|(e, t)| (e * times - t).abs() > BAD).count();
     let as_it_is = bad(1.0);
-    if 2 * as_it_is <= pixels.count() - pixels.holes() {
+    if 2 * as_it_is <= estimated().count() {
         return None;
     }
     let (fewest, factor) = FACTORS
         .into_iter()
         .flat_map(|factor| [factor, 1.0 / factor])
-        .map(|factor| (bad(factor), factor))
+        .map(|factor| (bad(1.0 / factor), factor))
         .min_by_key(|&(bad, _)| bad)?;
-    (2 * fewest < as_it_is).then_some(factor)
+    (2 * fewest < as_it_is.min(bad(0.0))).then_some(factor)
 }
 
 #[cfg(test)]
@@ -66,5 +65,19 @@ mod tests {
         assert_eq!(suspicion(|d| d + 40.0), None);
         assert_eq!(suspicion(|_| 0.0), None);
         assert_eq!(suspicion(|_| f32::NAN), None);
+    }
+
+    #[test]
+    fn what_is_near_0_or_unknown_speaks_for_no_factor() {
+        let scale = |truth: &dyn Fn(f32) -> f32, estimate: &dyn Fn(f32) -> f32| {
+            let truth = Plane::from_fn(50, 1, |x, _| truth(x as f32));
+            let estimate = Plane::from_fn(50, 1, |x, _| estimate(x as f32));
+            suspected_scale(&Pixels::select(&estimate, &truth, &Region::whole()).unwrap())
+        };
+        assert_eq!(scale(&|x| x / 30.0, &|x| x / 30.0 + 8.0), None);
+        // Zeros stand for what nobody knows, and what is known is right.
+        let sparse = |x: f32| if x < 35.0 { 0.0 } else { x };
+        assert_eq!(scale(&sparse, &|x| x + 5.0), None);
+        assert_eq!(scale(&sparse, &|x| 4.0 * x), Some(4.0));
     }
 }

@@ -69,7 +69,8 @@ class DisparityMap:
 
     def __repr__(self) -> str:
         rows, columns = self.values.shape
-        matched = np.mean(self.reasons == Reason.MATCHED)
+        answered = self.reasons != Reason.OUTSIDE_BOX
+        matched = np.sum(self.reasons == Reason.MATCHED) / max(np.sum(answered), 1)
         return f"<hazcam.DisparityMap of {rows} rows x {columns} columns, {matched:.1%} matched>"
 
 

@@ -57,7 +57,7 @@ class Matcher:
     ``multiprocessing`` may be given one to send to its processes.
     """
 
-    __slots__ = ("_matcher", "_options", "_searched")
+    __slots__ = ("__weakref__", "_matcher", "_options", "_searched")
 
     def __init__(
         self,

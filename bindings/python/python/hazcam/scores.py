@@ -79,19 +79,20 @@ def score(
     Warns
     -----
     HazcamWarning
-        Where one of the two seems to be a multiple of the other.
+        Where one of the two seems to be a multiple of the other, or of the other sign.
     """
     rows, pixels, holes, suspected = _hazcam.score(
         disparities(disparity), disparities(truth), box, mask, max_disparity
     )
     if suspected is not None:
         larger = "disparity" if suspected > 1 else "truth"
-        warnings.warn(
-            "most disparities are bad, but would not be if those of "
-            f"`{larger}` were divided by {max(suspected, 1 / suspected):g}: is it in pixels?",
-            HazcamWarning,
-            stacklevel=2,
-        )
+        if suspected < 0:
+            remedy = "`disparity` had the other sign: does it count from right to left?"
+        else:
+            divisor = max(suspected, 1 / suspected)
+            remedy = f"those of `{larger}` were divided by {divisor:g}: is it in pixels?"
+        text = f"most disparities are bad, but would not be if {remedy}"
+        warnings.warn(text, HazcamWarning, stacklevel=2)
     measures = {name: value for name, value, _ in rows}
     protocols = {name: protocol for name, _, protocol in rows if protocol is not None}
     return Scores(measures, protocols, pixels, holes)

@@ -31,7 +31,8 @@ _ERRORS = (
         "IndexError",
         r"out of bounds",
         "every scene has its own size, box and maxd: take sizes from Il.shape, bbox and maxd, and "
-        "keep windows, and the pixel d columns to the left, inside of the image",
+        "keep windows, and the pixel d columns to the left, inside of the image; an array is indexed "
+        "[row, column], which is [y, x]",
     ),
     (
         "ValueError",
@@ -79,8 +80,8 @@ _ERRORS = (
     ),
     (
         "TypeError",
-        r"takes \d+ positional arguments? but 4 were given"
-        r"|missing \d+ required positional argument",
+        r"stereo_disparity_(fast|best)\(\) "
+        r"(takes \d+ positional arguments? but 4 were given|missing \d+ required positional argument)",
         "the function is called with four arguments: Il, Ir, bbox, maxd",
     ),
     (

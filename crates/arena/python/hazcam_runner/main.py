@@ -8,7 +8,10 @@ run FOLDER FUNCTION   imports the module with the function's name, and calls it 
 import json
 import sys
 
-from hazcam_runner.channel import Channel
+from hazcam_runner.channel import TEXT_LIMIT, Channel
+
+# Characters of one finding.
+FINDING_LIMIT = 1000
 
 
 def main():
@@ -39,7 +42,17 @@ def _inspect(channel, folder):
     channel.ready(identifier)
     job = channel.job()
     if job is not None:
-        channel.failed(job, "FINDINGS", json.dumps(findings, ensure_ascii=False))
+        channel.failed(job, "FINDINGS", _fitting(findings))
+
+
+def _fitting(findings):
+    """The findings as JSON that the channel does not cut: long ones shortened, and of too many the last left out, those
+    last without which nothing can be graded."""
+    findings = [dict(each, text=each["text"][:FINDING_LIMIT]) for each in findings]
+    while len(text := json.dumps(findings, ensure_ascii=False)) > TEXT_LIMIT:
+        spare = [i for i, each in enumerate(findings) if not each["fatal"]]
+        del findings[spare[-1] if spare else -1]
+    return text
 
 
 def _run(channel, folder, name):

@@ -176,15 +176,12 @@ fn median(runs: &[Usage]) -> Usage {
     sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default()
 }
 
-/// Whether all attempts have answers and all are the same bits.
+/// Whether all answers are the same bits. Of fewer than two nobody knows: an attempt that ended without one says nothing.
 fn repeatable(attempts: &[Attempt]) -> Option<bool> {
-    let (first, rest) = attempts.split_first()?;
-    let bits = |attempt: &Attempt| -> Option<Vec<u32>> {
-        let answer = attempt.answer.as_ref()?;
-        Some(answer.disparity.samples().iter().map(|value| value.to_bits()).collect())
-    };
-    let first = bits(first)?;
-    (!rest.is_empty()).then(|| rest.iter().all(|other| bits(other).as_ref() == Some(&first)))
+    let answers = attempts.iter().filter_map(|attempt| attempt.answer.as_ref());
+    let mut maps = answers.map(|answer| answer.disparity.map(|value| value.to_bits()));
+    let (first, second) = (maps.next()?, maps.next()?);
+    Some(second == first && maps.all(|other| other == first))
 }
 
 #[cfg(test)]

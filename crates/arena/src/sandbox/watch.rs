@@ -69,7 +69,7 @@ impl Watch {
     pub fn start(pid_file: PathBuf, folder: PathBuf, bytes: u64) -> Self {
         let (stop, stopped) = channel();
         let thread = std::thread::spawn(move || {
-            let limit = content(&folder).bytes.saturating_add(bytes);
+            let before = content(&folder).bytes;
             let mut process = None;
             while stopped.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
                 if process.is_none() {
@@ -80,8 +80,8 @@ impl Watch {
                 // counted the next time, instead of twice now.
                 let removed = process.removed_bytes();
                 let mut content = content(&folder);
-                content.bytes = content.bytes.saturating_add(removed);
-                if let Some(excess) = excess(process.threads(), content, limit) {
+                content.bytes = content.bytes.saturating_add(removed).saturating_sub(before);
+                if let Some(excess) = excess(process.threads(), content, bytes) {
                     process.kill();
                     return Some(excess);
                 }

@@ -2,6 +2,8 @@
 //! lie within the file, since the decoder takes memory for a list on the word of its entry; and there must
 //! be no second picture, of which the decoder would say nothing.
 
+use std::collections::HashSet;
+
 use crate::FormatError;
 use crate::source::{Container, Source};
 
@@ -43,10 +45,10 @@ fn one_picture(
     start: u64,
     sizes: [u64; 3],
 ) -> Result<(), FormatError> {
-    let mut seen = vec![start];
+    let mut seen = HashSet::from([start]);
     let mut next = first.next();
     // Where there is none is 0; a directory that comes again has been looked at.
-    while next != 0 && !seen.contains(&next) {
+    while next != 0 && seen.insert(next) {
         let directory = Directory::at(source, first.reader, next, sizes)?;
         let mut entries = directory.entries();
         let kind = entries.find(|entry| entry.tag == SUBFILE);
@@ -58,7 +60,6 @@ fn one_picture(
                 "one picture in a file is needed: split it, as with `tiffsplit`",
             ));
         }
-        seen.push(next);
         next = directory.next();
     }
     Ok(())

@@ -408,7 +408,7 @@ fn mistakes_are_named() {
         (["export", "board.txt", "--quiet"], "board.txt is no name of a page for a browser"),
         (
             ["export", "./board.sqlite", "--quiet"],
-            "FILE.html ./board.sqlite would replace an input: name another file\n",
+            "the page ./board.sqlite would replace an input: name another file\n",
         ),
     ] {
         let (status, _, stderr) = course.run(&arguments);

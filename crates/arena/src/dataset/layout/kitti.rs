@@ -5,11 +5,12 @@ use formats::Encoding;
 use super::{Case, Folder, course};
 use crate::dataset::case::{Files, Purpose, TruthFile};
 
-/// Left and right images, in the order of preference, with the suffix of the folders of truth.
+/// Left and right images, in the order of preference.
 const VIEWS: [(&str, &str); 3] =
     [("image_0", "image_1"), (LEFT_2015, "image_3"), ("colored_0", "colored_1")];
 /// The left images of 2015, whose frames are others by the same numbers.
 const LEFT_2015: &str = "image_2";
+/// Truths of all pixels and of those that both cameras see, of 2012 and of 2015.
 const TRUTHS: [(&str, &str); 2] = [("disp_occ", "disp_noc"), ("disp_occ_0", "disp_noc_0")];
 
 /// Every frame at time 10, the only one that has truth.

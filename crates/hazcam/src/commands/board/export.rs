@@ -32,7 +32,7 @@ pub struct Args {
 /// Writes it.
 pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let board = Board::open(path)?;
-    let page = |text| [Output::text("FILE.html", &args.output, text)];
+    let page = |text| [Output::text("the page", &args.output, text)];
     outputs::check(&page(""), &[path])?;
     if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("html")) {
         bail!("{} is no name of a page for a browser: end it with .html", args.output.display());

@@ -29,7 +29,7 @@ of the 50 of the tests.
 
 Examples:
   export HAZCAM_DATA=~/rob501
-  for handin in handins/*.tar; do hazcam board add $handin; done
+  for handin in handins/*.tar; do hazcam board add \"$handin\"; done
   hazcam board add --matcher opencv-bm:opencv-sgbm --baseline
   hazcam board show
   hazcam board export board.html")]

@@ -55,7 +55,7 @@ pub struct SpeedArguments {
 
 impl SpeedArguments {
     /// Measures, keeps and shows. The status is 0 when every pair could be read and every matcher of
-    /// hazcam's own has answered.
+    /// hazcam's own, and every engine that was called by its name, has answered.
     pub fn run(
         &self,
         scenes: &SceneArguments,
