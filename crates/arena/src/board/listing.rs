@@ -1,10 +1,12 @@
 //! A board as a table.
 
+use std::collections::BTreeMap;
+
 use super::standing::Standing;
 use crate::report::{Cell, Column, Table};
 
-/// One row for everybody, best first.
-pub fn table(standings: &[Standing]) -> Table {
+/// One row for everybody, best first; with whose entries they are, by secret ID, for those who write down marks.
+pub fn table(standings: &[Standing], owners: Option<&BTreeMap<String, String>>) -> Table {
     let columns = [
         "place",
         "secret ID",
@@ -17,14 +19,16 @@ pub fn table(standings: &[Standing]) -> Table {
         "total",
         "added",
     ];
-    let mut table = Table { columns: columns.map(Column::new).into(), rows: Vec::new() };
+    let columns = columns.into_iter().chain(owners.map(|_| "owner"));
+    let mut table = Table { columns: columns.map(Column::new).collect(), rows: Vec::new() };
     // Quarters and the like need a second digit.
     let is_whole = |points: f64| (10.0 * points).fract().abs() < 1e-6;
     let digits = if standings.iter().all(|of| is_whole(of.entry.report.points)) { 1 } else { 2 };
     for standing in standings {
         let entry = &standing.entry;
         let scores = entry.holdout.scores.as_ref();
-        table.push(vec![
+        let owner = owners.map(|owners| owners.get(&entry.secret_id));
+        let mut cells = vec![
             Cell::text(match standing.place {
                 Some(place) => place.to_string(),
                 None if entry.baseline => "baseline".into(),
@@ -39,7 +43,9 @@ pub fn table(standings: &[Standing]) -> Table {
             Cell::number(Some(standing.bonus), 0),
             Cell::number(Some(standing.total), digits),
             Cell::text(&entry.added),
-        ]);
+        ];
+        cells.extend(owner.map(|owner| Cell::text(owner.map_or("", String::as_str))));
+        table.push(cells);
     }
     table
 }
@@ -55,7 +61,8 @@ mod tests {
         let entries =
             vec![entry("nobody", None, 0.0, 1.0), entry("she & he", Some(1.0), 0.022, 0.5)];
         let standings = standings(entries, &Holdout::secret().unwrap().test);
-        let lines: Vec<String> = table(&standings).to_text().lines().map(str::to_owned).collect();
+        let lines: Vec<String> =
+            table(&standings, None).to_text().lines().map(str::to_owned).collect();
         assert!(lines[0].starts_with("place  secret ID   score  E_RMS   p_bad  CPU s  points"));
         assert!(lines[1].starts_with("1      she & he   0.2000   1.00  0.0220   0.50     7.0"));
         assert!(lines[2].starts_with("(TO)   nobody          -      -       -"), "{}", lines[2]);

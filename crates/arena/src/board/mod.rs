@@ -15,7 +15,7 @@
 //! **Bonus.** The first three get 5, 3 and 2 points on top of those of the tests: 55 at most.
 //! Baselines are shown where they would stand, and take neither a place nor a bonus.
 //!
-//! **Names.** Everybody is known by a secret ID. An owner (a student's number, say; shown nowhere)
+//! **Names.** Everybody is known by a secret ID. An owner (a student's number, say; on no page)
 //! has one entry: a later one takes its place, whatever its ID; where the owner was only guessed from
 //! a file's name, one with the same ID ([`Owner`]). An ID that somebody else has is refused.
 //!

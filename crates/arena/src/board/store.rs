@@ -5,6 +5,7 @@
 //! before or as it is after, and whoever opens it next needs to do nothing. Writers wait for each
 //! other.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -174,6 +175,15 @@ impl Board {
         rows.into_iter()
             .map(|(secret_id, content)| Ok(Entry { secret_id, ..self.parse(&content)? }))
             .collect()
+    }
+
+    /// Whose the entries are, by their secret IDs.
+    pub fn owners(&self) -> Result<BTreeMap<String, String>, BoardError> {
+        let failed = |source| self.failed(source);
+        let mut statement =
+            self.connection.prepare("SELECT secret_id, owner FROM entry").map_err(failed)?;
+        let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).map_err(failed)?;
+        rows.collect::<rusqlite::Result<_>>().map_err(failed)
     }
 
     /// The pictures of somebody's answers.

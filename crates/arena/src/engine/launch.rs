@@ -96,7 +96,7 @@ pub(crate) fn command(
 fn lay_out_built_in_files(scratch: &Path) -> Result<PathBuf, Status> {
     for (name, text) in BUILT_IN_FILES {
         let path = scratch.join(name);
-        fs::write(&path, text).map_err(|error| Status::NotReady {
+        fs::write(&path, text).map_err(|error| Status::NotAsked {
             message: format!("{} cannot be written: {error}", path.display()),
         })?;
     }

@@ -60,7 +60,7 @@ fn prepare(command: &mut Command, scratch: &Path, pair: &Pair<'_>) -> Result<Pat
         );
         return Err(Status::Failed { message });
     }
-    let failed = |problem: String| Status::NotReady { message: problem };
+    let failed = |problem: String| Status::NotAsked { message: problem };
     let out = scratch.join("out");
     exchange::remove(&out).map_err(|error| failed(error.to_string()))?;
     fs::create_dir(&out)

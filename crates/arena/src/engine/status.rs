@@ -58,6 +58,11 @@ pub enum Status {
         /// Why, as far as known.
         message: String,
     },
+    /// It was not given the pair, which is no fault of its own: files could not be written, say.
+    NotAsked {
+        /// Why.
+        message: String,
+    },
     /// Something that it needs is not installed on this machine.
     Absent {
         /// What, and how to get it.
@@ -76,6 +81,7 @@ impl Status {
             Self::BadResult { .. } => "bad-result",
             Self::ProtocolError { .. } => "protocol-error",
             Self::NotReady { .. } => "not-ready",
+            Self::NotAsked { .. } => "not-asked",
             Self::Absent { .. } => "absent",
         }
     }
@@ -90,6 +96,7 @@ impl Status {
             | Self::BadResult { message }
             | Self::ProtocolError { message }
             | Self::NotReady { message }
+            | Self::NotAsked { message }
             | Self::Absent { message } => Some(message),
         }
     }

@@ -144,7 +144,7 @@ impl Worker {
         self.jobs += 1;
         let written = exchange::write_job(self.scratch.path(), self.jobs, pair, self.threads);
         let ready = written
-            .map_err(|error| Status::NotReady { message: error.to_string() })
+            .map_err(|error| Status::NotAsked { message: error.to_string() })
             .and_then(|job| Ok((job, self.session()?)));
         let (job, session) = match ready {
             Ok(ready) => ready,

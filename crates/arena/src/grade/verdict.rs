@@ -36,7 +36,9 @@ pub(super) fn judge(ended: &Ended, start_limit: Duration) -> Result<(), Failure>
             Outcome::Bad,
             format!("it does not keep to the engine protocol (PROTOCOL.md): {message}"),
         ),
-        Status::Absent { message } => Failure::new(Outcome::Xx, message),
+        Status::NotAsked { message } | Status::Absent { message } => {
+            Failure::new(Outcome::Xx, message)
+        }
         Status::Crashed { message } => crashed(message),
         Status::NotReady { message } => not_ready(message, start_limit),
     })
@@ -154,6 +156,7 @@ mod tests {
                 },
                 Outcome::Xx,
             ),
+            (Status::NotAsked { message: message("im0.png: no space is left") }, Outcome::Xx),
             (
                 Status::NotReady { message: message("/bin/x could not be started: no such file") },
                 Outcome::Xx,

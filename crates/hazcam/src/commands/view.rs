@@ -8,6 +8,7 @@ use camera::DISPARITY_ERROR;
 use formats::{Encoding, View, write_view};
 use raster::Plane;
 
+use super::depth::kept::{self, Limits};
 use crate::arguments;
 use crate::map::Map;
 use crate::outputs::{self, Output};
@@ -124,10 +125,23 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         bail!("{}: {why}, so there is nothing to show", args.disparity.display());
     }
     outputs::write_all_or_none(&[page(&args.output, &view)])?;
-    if camera.is_none() {
-        ui.note(
+    match &camera {
+        Some(camera) => {
+            let (_, counts) = kept::depths(&map.disparities, camera, &Limits::default());
+            if let Some(doubt) = counts.doubt(&map.disparities, camera) {
+                ui.warn(doubt);
+            }
+        }
+        None => ui.note(
             "without --calibration, or --focal and --baseline, the page shows a relief in pixels",
-        );
+        ),
+    }
+    if let Some(filled) = map.filled().filter(|_| confidence.is_none() && reasons.is_none()) {
+        ui.note(format_args!(
+            "{:.1} % of the disparities were filled in without a match, so their depth is a guess: --confidence or \
+             --reasons shows which",
+            100.0 * filled,
+        ));
     }
     ui.note(format_args!(
         "{} shows {} points of {} pixels",

@@ -74,6 +74,27 @@ fn without_a_camera_the_page_and_a_note_say_that_it_is_a_relief() {
     assert!(page.contains("this is a relief and no shape"));
     let outcome = folder.run(&format!("view walls.pfm {CAMERA} -o view.html")).done();
     assert!(!outcome.stderr.contains("relief"), "{}", outcome.stderr);
+    assert!(!outcome.stderr.contains("in front of the cameras"), "{}", outcome.stderr);
+}
+
+#[test]
+fn what_depth_warns_of_is_said_of_a_page_too() {
+    let folder = folder();
+    // One pixel in four is in front of the cameras.
+    let values = [-9.0, -4.0, -2.0, 30.0].repeat(25);
+    formats::write_disparity(folder.path("behind.pfm"), &Plane::new(10, 10, values).unwrap())
+        .unwrap();
+    std::fs::write(
+        folder.path("behind.pfm.json"),
+        r#"{"reasons": {"matched": 0.5, "occluded-filled": 0.5}}"#,
+    )
+    .unwrap();
+    let outcome = folder.run(&format!("view behind.pfm {CAMERA} -o view.html")).done();
+    for words in
+        ["75 of 100 disparities are of nothing in front", "50.0 % of the disparities were filled"]
+    {
+        assert!(outcome.stderr.contains(words), "{}", outcome.stderr);
+    }
 }
 
 #[test]

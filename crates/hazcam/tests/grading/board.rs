@@ -122,6 +122,18 @@ fn entrants_are_ranked_renamed_and_removed() {
         "{table}"
     );
     assert_eq!(course.ranking().len(), 2);
+    // Whose they are is told to who asks for it alone.
+    let csv = course.done(&["show", "--owners", "--format", "csv"]);
+    let of_four = csv.lines().find(|line| line.contains("Four")).expect("it is on the board");
+    assert!(csv.lines().next().unwrap().ends_with(",owner") && of_four.ends_with(",him"), "{csv}");
+    let json =
+        |arguments: &[&str]| course.done(&[&["show", "--format", "json"], arguments].concat());
+    assert!(json(&["--owners"]).contains("\"owner\": \"him\""));
+    assert!(
+        !table.contains("him")
+            && !json(&[]).contains("\"owner\"")
+            && !json(&[]).contains("\"entrant\"")
+    );
 }
 
 #[test]
@@ -257,7 +269,7 @@ fn the_secret_is_out_of_every_entrants_reach() {
     ]));
     assert_eq!(status, 2);
     assert!(stdout.contains("engines/board.sqlite, which tells the truth"), "{stdout}");
-    assert!(stderr.contains("not entered, because the grader failed"), "{stderr}");
+    assert!(stderr.contains("is not entered: the grader failed"), "{stderr}");
     // Nor do the tests before the hold-out's run it.
     assert_eq!(stdout.matches("  XX ").count(), 2, "{stdout}");
 }

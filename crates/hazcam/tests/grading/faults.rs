@@ -40,18 +40,38 @@ fn what_cannot_be_written() {
     builder.append_dir_all("handin", &folder).unwrap();
     builder.finish().unwrap();
     for submission in ["handin", "handin.tar"] {
-        let inner = classroom.command("grade", &[submission]);
-        // A limit of file size stands for a full disk.
-        let mut command = Command::new("/bin/sh");
-        command.args(["-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\""]);
-        command.arg(inner.get_program()).args(inner.get_args()).args(JSON);
-        command.current_dir(inner.get_current_dir().unwrap());
-        for (name, value) in inner.get_envs() {
-            match value {
-                Some(value) => command.env(name, value),
-                None => command.env_remove(name),
-            };
-        }
-        expect_graders_fault(command.output().unwrap(), "tables.py: File too large");
+        let output = with_little_disk(64, classroom.command("grade", &[submission]));
+        expect_graders_fault(output, "tables.py: File too large");
     }
+}
+
+#[test]
+fn what_an_engine_cannot_be_given() {
+    let Some(classroom) = Classroom::without_python() else { return };
+    let engine = "name = \"rv\"\nkind = \"robust-vision\"\ncommand = [\"/bin/true\"]\n";
+    fs::create_dir(classroom.path("engines")).unwrap();
+    fs::write(classroom.path("engines/rv.toml"), engine).unwrap();
+    // A scene with more to write than what the grader itself does.
+    let scheme = classroom.path("small.toml");
+    let large = fs::read_to_string(&scheme).unwrap().replace("plane:5.5", "cards");
+    fs::write(scheme, large).unwrap();
+    for matcher in ["rv", "fast"] {
+        let inner = classroom.command("grade", &["--engines", "engines", "--matcher", matcher]);
+        expect_graders_fault(with_little_disk(64, inner), "File too large");
+    }
+}
+
+/// Runs a command with [`JSON`] and a limit of file size, which stands for a full disk.
+fn with_little_disk(blocks: u32, inner: Command) -> Output {
+    let mut command = Command::new("/bin/sh");
+    command.arg("-c").arg(format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\""));
+    command.arg(inner.get_program()).args(inner.get_args()).args(JSON);
+    command.current_dir(inner.get_current_dir().unwrap());
+    for (name, value) in inner.get_envs() {
+        match value {
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
+        };
+    }
+    command.output().unwrap()
 }

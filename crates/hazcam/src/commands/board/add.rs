@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use arena::board::{
     Added, Board, BoardError, Entry, Holdout, Owner, Picture, SceneTruth, is_owner, standings,
     tests_fingerprint,
@@ -18,8 +18,8 @@ use crate::commands::grade::grading::{GradingArguments, Workshop};
 use crate::commands::grade::scenes;
 use crate::ui::Ui;
 
-const NAMELESS: &str = "not entered, because it has no usable secret ID: mend secret_id.py, or give one \
-                        with --secret-id";
+const NAMELESS: &str =
+    "it has no usable secret ID: mend secret_id.py, or give one with --secret-id";
 
 /// Grade an entrant and enter it, in the place of its owner's earlier entry
 #[derive(clap::Args)]
@@ -30,8 +30,8 @@ pub struct Args {
     #[command(flatten)]
     grading: GradingArguments,
 
-    /// Whose entry it is, shown nowhere: everybody has one. Where it is not given, an earlier entry
-    /// is replaced only by one of the same secret ID
+    /// Whose entry it is: everybody has one. No page shows it, `hazcam board show --owners` does. Where it is
+    /// not given, an earlier entry is replaced only by one of the same secret ID
     /// [default: the submission's name without its ending, or the engines']
     #[arg(long, value_name = "NAME", help_heading = "Entry")]
     owner: Option<String>,
@@ -70,6 +70,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     args.entrant.keep_from(workshop.scene_files())?;
     args.entrant.keep_from(&[std::path::absolute(path)?])?;
     let (name, entrant) = args.entrant.open(&workshop)?;
+    let refused = || format!("{name} is not entered");
     // Only now: who is not there begins no board.
     let (mut board, holdout, scene) = open(path, args, &workshop)?;
     // What is refused in the end is refused before the work.
@@ -88,9 +89,11 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     ui.print(&text::findings(&inspection.findings))?;
     let secret_id = given.or(inspection.secret_id.clone());
     match (&secret_id, &entrant) {
-        (Some(id), _) => board.admit(owner, id)?,
+        (Some(id), _) => board.admit(owner, id).with_context(refused)?,
         // What cannot be looked at has no findings: its results say why.
-        (None, Entrant::Submission(_)) if !inspection.findings.is_empty() => bail!(NAMELESS),
+        (None, Entrant::Submission(_)) if !inspection.findings.is_empty() => {
+            return Err(anyhow!(NAMELESS)).with_context(refused);
+        }
         (None, _) => (),
     }
     let mut shown = Ok(());
@@ -105,9 +108,10 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     ui.print(&text::ended(&result))?;
     ui.print(&text::summary(&report))?;
     if report.grader_failed() || result.outcome == Outcome::Xx {
-        bail!("not entered, because the grader failed: mend what it says and add again");
+        return Err(anyhow!("the grader failed: mend what it says and add again"))
+            .with_context(refused);
     }
-    let secret_id = secret_id.context(NAMELESS)?;
+    let secret_id = secret_id.context(NAMELESS).with_context(refused)?;
     let scenes: Vec<(String, &Scene)> =
         workshop.tests().map(|(test, scene)| (test.name.clone(), scene)).collect();
     let mut pictures: Vec<Picture> = report

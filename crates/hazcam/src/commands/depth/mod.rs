@@ -1,6 +1,6 @@
 //! `hazcam depth`: a disparity map and a camera in, depth and points out.
 
-mod kept;
+pub mod kept;
 mod points;
 mod reach;
 
