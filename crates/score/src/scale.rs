@@ -5,11 +5,10 @@
 //! that looks like a very bad matcher: the most common mistake with these data sets.
 
 use crate::Pixels;
+use crate::course::BAD;
 
 /// Factors that occur between files; -1 where somebody counts from right to left.
 const FACTORS: [f64; 7] = [-1.0, 2.0, 3.0, 4.0, 8.0, 16.0, 256.0];
-/// An error above this many pixels is bad.
-const BAD: f64 = 2.0;
 
 /// The factor by which the estimate seems to be too large (below 1: too small; -1: of the other sign), or `None`.
 ///

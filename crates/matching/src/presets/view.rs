@@ -47,7 +47,7 @@ impl<'a> Search<'a> {
         grey[0].part(work.x0..work.x1 + 1, work.y0..work.y1 + 1)
     }
 
-    /// Those of the rows that are.
+    /// The same of its matched rows alone.
     pub fn matched_rows(&self) -> raster::View<'a, u8> {
         self.left_part().every_row(self.rows.apart)
     }
