@@ -47,9 +47,9 @@ impl Map {
         Ok(image.widened_from(used))
     }
 
-    /// The share of the disparities that were filled in without a match, where the record that `hazcam match` leaves
+    /// Says how many of the disparities were filled in without a match, where the record that `hazcam match` leaves
     /// beside a map tells of any.
-    pub fn filled(&self) -> Option<f64> {
+    pub fn guesses(&self) -> Option<String> {
         let mut record = self.path.clone().into_os_string();
         record.push(".json");
         let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
@@ -58,7 +58,10 @@ impl Map {
             reasons.filter_map(|reason| record.reasons.get(reason.name())).sum()
         };
         let filled = share(&|reason| reason.has_value() && reason != Reason::Matched);
-        (filled > 0.0).then(|| filled / share(&Reason::has_value))
+        (filled > 0.0).then(|| {
+            let part = 100.0 * filled / share(&Reason::has_value);
+            format!("{part:.1} % of the disparities were filled in without a match, so their depth is a guess")
+        })
     }
 
     /// How sure each pixel is, from 0 to 1; NaN is not sure.

@@ -71,8 +71,11 @@ mod tests {
         use std::sync::atomic::{AtomicBool, Ordering};
         let (pool, callers) = (start(1).unwrap(), start(1).unwrap());
         // Long enough for the caller to look for other work.
-        let work = || std::thread::sleep(std::time::Duration::from_millis(50));
-        let to_run = || run_in(&pool, work);
+        let work = || {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            7
+        };
+        let to_run = || assert_eq!(run_in(&pool, work), 7);
         // Of many threads it takes a while to have all.
         let to_start = || drop(start(200).unwrap());
         let waits: [&(dyn Fn() + Sync); 2] = [&to_run, &to_start];

@@ -2,8 +2,8 @@
 //!
 //! Scharstein, Hirschmüller, Kitajima, Krathwohl, Nešić, Wang, Westling: *High-resolution stereo
 //! datasets with subpixel-accurate ground truth*, GCPR 2014, and the benchmark's SDK, whose
-//! counting is followed, but for its rounding and scaling (METHODOLOGY.md). Over the `N` pixels of the region whose truth is known, of
-//! which `V` have an estimate (the other `N - V` are holes, "invalid" in the SDK), with
+//! counting is followed, but for its rounding and scaling (METHODOLOGY.md). Over the `N` pixels of the
+//! region whose truth is known, of which `V` have an estimate (the other `N - V` are holes, "invalid" in the SDK), with
 //! `e = |estimate - truth|`:
 //!
 //! ```text

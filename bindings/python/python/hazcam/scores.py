@@ -85,10 +85,10 @@ def score(
         disparities(disparity), disparities(truth), box, mask, max_disparity
     )
     if suspected is not None:
-        larger = "disparity" if suspected > 1 else "truth"
         if suspected < 0:
             remedy = "`disparity` had the other sign: does it count from right to left?"
         else:
+            larger = "disparity" if suspected > 1 else "truth"
             divisor = max(suspected, 1 / suspected)
             remedy = f"those of `{larger}` were divided by {divisor:g}: is it in pixels?"
         text = f"most disparities are bad, but would not be if {remedy}"

@@ -27,7 +27,6 @@ pub fn table(standings: &[Standing], owners: Option<&BTreeMap<String, String>>) 
     for standing in standings {
         let entry = &standing.entry;
         let scores = entry.holdout.scores.as_ref();
-        let owner = owners.map(|owners| owners.get(&entry.secret_id));
         let mut cells = vec![
             Cell::text(match standing.place {
                 Some(place) => place.to_string(),
@@ -44,7 +43,11 @@ pub fn table(standings: &[Standing], owners: Option<&BTreeMap<String, String>>) 
             Cell::number(Some(standing.total), digits),
             Cell::text(&entry.added),
         ];
-        cells.extend(owner.map(|owner| Cell::text(owner.map_or("", String::as_str))));
+        // One that was renamed in the meantime has none here.
+        cells.extend(
+            owners
+                .map(|owners| Cell::text(owners.get(&entry.secret_id).map_or("", String::as_str))),
+        );
         table.push(cells);
     }
     table

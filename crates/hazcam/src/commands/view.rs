@@ -8,8 +8,8 @@ use camera::DISPARITY_ERROR;
 use formats::{Encoding, View, write_view};
 use raster::Plane;
 
-use super::depth::kept::{self, Limits};
 use crate::arguments;
+use crate::kept::{self, Limits};
 use crate::map::Map;
 use crate::outputs::{self, Output};
 use crate::rig::CameraArguments;
@@ -136,12 +136,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             "without --calibration, or --focal and --baseline, the page shows a relief in pixels",
         ),
     }
-    if let Some(filled) = map.filled().filter(|_| confidence.is_none() && reasons.is_none()) {
-        ui.note(format_args!(
-            "{:.1} % of the disparities were filled in without a match, so their depth is a guess: --confidence or \
-             --reasons shows which",
-            100.0 * filled,
-        ));
+    if let Some(guesses) = map.guesses().filter(|_| confidence.is_none() && reasons.is_none()) {
+        ui.note(format_args!("{guesses}: --confidence or --reasons shows which"));
     }
     ui.note(format_args!(
         "{} shows {} points of {} pixels",

@@ -92,7 +92,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         (Some(id), _) => board.admit(owner, id).with_context(refused)?,
         // What cannot be looked at has no findings: its results say why.
         (None, Entrant::Submission(_)) if !inspection.findings.is_empty() => {
-            return Err(anyhow!(NAMELESS)).with_context(refused);
+            return Err(anyhow!(NAMELESS).context(refused()));
         }
         (None, _) => (),
     }
@@ -108,8 +108,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     ui.print(&text::ended(&result))?;
     ui.print(&text::summary(&report))?;
     if report.grader_failed() || result.outcome == Outcome::Xx {
-        return Err(anyhow!("the grader failed: mend what it says and add again"))
-            .with_context(refused);
+        return Err(
+            anyhow!("the grader failed: mend what it says and add again").context(refused())
+        );
     }
     let secret_id = secret_id.context(NAMELESS).with_context(refused)?;
     let scenes: Vec<(String, &Scene)> =

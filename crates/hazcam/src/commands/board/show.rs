@@ -25,10 +25,11 @@ pub struct Args {
 pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let board = Board::open(path)?;
     let standings = standings(board.entries()?, &board.holdout()?.0.test);
-    let owners = if args.owners { Some(board.owners()?) } else { None };
-    let table = || table(&standings, owners.as_ref());
+    let owners = args.owners.then(|| board.owners()).transpose()?;
+    let owners = owners.as_ref();
+    let table = || table(&standings, owners);
     let text = match args.format.as_str() {
-        "json" => format!("{}\n", serde_json::to_string_pretty(&listed(&standings, &owners)?)?),
+        "json" => format!("{}\n", serde_json::to_string_pretty(&listed(&standings, owners)?)?),
         "csv" => table().to_csv(),
         "markdown" => table().to_markdown(),
         _ if standings.is_empty() => "There are no entries yet.\n".into(),
@@ -41,7 +42,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 /// The standings for programs: without owners also without the names of hand-ins, which tell them.
 fn listed(
     standings: &[Standing],
-    owners: &Option<BTreeMap<String, String>>,
+    owners: Option<&BTreeMap<String, String>>,
 ) -> serde_json::Result<serde_json::Value> {
     let mut listed = serde_json::to_value(standings)?;
     for (one, standing) in listed.as_array_mut().into_iter().flatten().zip(standings) {

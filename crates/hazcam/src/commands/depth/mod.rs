@@ -1,6 +1,5 @@
 //! `hazcam depth`: a disparity map and a camera in, depth and points out.
 
-pub mod kept;
 mod points;
 mod reach;
 
@@ -13,11 +12,11 @@ use formats::{Encoding, Point, write_depth, write_points};
 use raster::Plane;
 
 use crate::arguments;
+use crate::kept::{self, Limits};
 use crate::map::Map;
 use crate::outputs::{self, Output};
 use crate::rig::CameraArguments;
 use crate::ui::Ui;
-use kept::Limits;
 use reach::Reach;
 
 /// Turn a disparity map into depth and points, and say how good they are at which range
@@ -129,11 +128,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if let Some(doubt) = counts.doubt(&map.disparities, &camera) {
         ui.warn(doubt);
     }
-    if let Some(filled) = map.filled().filter(|_| confidence.is_none()) {
+    if let Some(guesses) = map.guesses().filter(|_| confidence.is_none()) {
         ui.note(format_args!(
-            "{:.1} % of the disparities were filled in without a match, so their depth is a guess: leave them out by \
-             --confidence and --min-confidence, or match with --holes keep",
-            100.0 * filled,
+            "{guesses}: leave them out by --confidence and --min-confidence, or match with --holes keep",
         ));
     }
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);

@@ -4,7 +4,7 @@ use camera::StereoCamera;
 use raster::Plane;
 use serde::Serialize;
 
-use super::kept::Counts;
+use crate::kept::Counts;
 
 /// Errors of the depth, as shares of it, that one asks for.
 const SHARES: [f64; 3] = [0.01, 0.05, 0.1];

@@ -7,8 +7,8 @@
 //!
 //! 1. Corners (Shi & Tomasi 1994) spread over the left image are matched in the right one, some rows
 //!    up and down too, to a fraction of a pixel ([`correspondence`]).
-//! 2. A smooth model is fitted to how far they stand above or below their row ([`model`]). Where there are corners
-//!    enough but no model holds, they are looked for once more, in many rows.
+//! 2. A smooth model is fitted to how far they stand above or below their row ([`model`]). Where none
+//!    holds they are looked for once more, in many rows.
 //! 3. Where that comes to something, every pixel of the right image is taken from there ([`resample`]).
 //!
 //! What the windows of a corner do not share once it is found is the noise of both images.
