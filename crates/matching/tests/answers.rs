@@ -172,6 +172,34 @@ fn what_shows_nothing_is_not_matched_but_filled_from_around_it() {
 }
 
 #[test]
+fn a_wall_of_tiles_is_not_sure() {
+    let (columns, rows, disparity) = (200, 90, 30);
+    let tiled = |period: i64| {
+        [0, disparity].map(|shift| {
+            Image::Grey8(Plane::from_fn(columns, rows, |x, y| {
+                let (x, y) = (x as i64, y as i64);
+                // Tiles of two samples each way, so that a fraction of a pixel is no other texture; noise of its own.
+                let tile = texture((x + shift) % period / 2, y % 17 / 2) / 8 * 7;
+                tile + texture(x + 1000 * (1 + shift), y) / 64
+            }))
+        })
+    };
+    let sure = |preset, period, range| {
+        let map = compute(options(preset, range), &tiled(period), None);
+        map.confidence.samples().iter().filter(|&&sure| sure >= 0.5).count()
+    };
+    for preset in [Preset::Balanced, Preset::Best] {
+        for period in [8, 13, 22] {
+            assert_eq!(sure(preset, period, (0, 63)), 0, "{preset}, {period} columns");
+            // Where the range has one period alone, there is no doubt.
+            let least = columns * rows / 2;
+            let known = sure(preset, period, (disparity as i32 - 4, disparity as i32 + 3));
+            assert!(known > least, "{preset}, {period} columns: {known}");
+        }
+    }
+}
+
+#[test]
 fn the_left_strip_is_said_to_lie_outside_the_right_image() {
     for preset in Preset::ALL {
         let map = compute(options(preset, (0, 15)), &wall(90, 40, 12), None);

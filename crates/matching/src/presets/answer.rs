@@ -9,6 +9,7 @@ use crate::kernels::level::at_every_level;
 use crate::profile::Work;
 use crate::refinement::blank;
 use crate::refinement::median_in_steps::{Medians, Steps};
+use crate::refinement::repetition::Repetition;
 use crate::refinement::rows_between::{self, All, Matched};
 
 /// Between two matched columns or rows that differ by no more, in pixels, a pixel lies halfway.
@@ -26,23 +27,27 @@ pub(super) struct Answer {
 
 impl Answer {
     /// Spreads the left view, which is there in fixed point with its reasons, and its confidence over all rows. What
-    /// shows nothing is taken for a guess. Where the view was `judged`, the confidence of what the paths did not see is
-    /// a judge's.
+    /// shows nothing is taken for a guess, and what repeats is not believed. Where the view was `judged`, the confidence
+    /// of what the paths did not see is a judge's.
     pub fn spread(
         &mut self,
         search: Search<'_>,
         judged: bool,
+        repetition: &Repetition,
         (steps, reasons): (&Plane<u16>, &mut Plane<Reason>),
         confidence: &mut Plane<f32>,
         map: &mut DisparityMap,
     ) -> Work {
-        let Search { level, left, work, rows, numbers, .. } = search;
+        let Search { level, left, work, rows, numbers, range, .. } = search;
         let columns = work.columns();
         let of_rows = confidence.samples_mut().par_chunks_exact_mut(columns);
         let of_rows = of_rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();
         of_rows.for_each(|(y, (confidence, reasons))| {
-            blank::reject(level, left, (work.x0, work.y0 + rows.apart * y), reasons);
+            let first = (work.x0, work.y0 + rows.apart * y);
+            blank::reject(level, left, first, reasons);
             trust(level, judged, reasons, confidence);
+            let disparities = steps.row(y);
+            repetition.doubt(range, first, |x| numbers.pixels(disparities[x]), confidence);
         });
         let matched = Matched { steps, reasons: &*reasons, confidence: &*confidence };
         let all = All {

@@ -19,6 +19,7 @@ use crate::refinement::choice::{Choices, Jury};
 use crate::refinement::columns_between;
 use crate::refinement::groups::Groups;
 use crate::refinement::least_squares::LeastSquares;
+use crate::refinement::repetition::Repetition;
 
 /// What a frame takes at most where no limit was given, or else what the sums of semi-global matching
 /// take of it. Bands cost time, so the pairs of the usual benchmarks are matched without any (KITTI with
@@ -127,7 +128,9 @@ impl Needs {
         let refined = right + choice + least_squares;
         // The steps of the guide, and the left view in fixed point with the rows between.
         let spread = part + between + 2 * work.columns() * work.rows();
-        let stages = images + flat + features + descriptors + left + prior + refined + spread;
+        let repetition = Repetition::bytes(width, work, frame.range);
+        let stages =
+            images + flat + features + descriptors + left + prior + refined + repetition + spread;
         let volume = Volume { columns, rows: lines, lanes: space.lanes };
         Self { rest: ANSWER * all + stages + rows(width + space.count, height), volume }
     }

@@ -32,6 +32,7 @@ use crate::refinement::columns_between;
 use crate::refinement::least_squares::{self, LeastSquares};
 use crate::refinement::outside;
 use crate::refinement::plane_fill::fill;
+use crate::refinement::repetition::Repetition;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
 use crate::selection::fixed_point::FixedPoint;
@@ -80,6 +81,7 @@ pub(crate) struct SemiGlobalMatching {
     confidence: Plane<f32>,
     /// Of the left view with the columns between.
     between: columns_between::Sources,
+    repetition: Repetition,
     answer: Answer,
     least_squares: LeastSquares,
 }
@@ -117,6 +119,7 @@ impl SemiGlobalMatching {
             choices: Choices::new(Jury::of(preset)),
             confidence: Plane::default(),
             between: columns_between::Sources::default(),
+            repetition: Repetition::default(),
             answer: Answer::default(),
             least_squares: LeastSquares::default(),
         }
@@ -371,13 +374,15 @@ impl SemiGlobalMatching {
             let shifted = least_squares::Map { values, reasons: &*reasons, first, rows, range };
             profile.end("least squares", self.least_squares.refine(level, grey, shifted));
         }
+        profile.end("repetition", self.repetition.find(level, grey[0], search.work, range));
         let stepped = in_steps(level, search.numbers, values, steps);
         // Without a search there is one value everywhere.
         let nowhere = values.row(0)[0];
         map.values = std::mem::take(&mut self.right.map.values);
         map.values.reshape(width, grey[0].rows(), nowhere);
         let judged = chooses && ingredients.has(Ingredient::PathMargin);
-        let answered = self.answer.spread(search, judged, (steps, reasons), confidence, map);
+        let (told, repetition) = ((&*steps, reasons), &self.repetition);
+        let answered = self.answer.spread(search, judged, repetition, told, confidence, map);
         profile.end("answer", stepped + answered);
         let medians = match space.count {
             0 => {

@@ -9,6 +9,7 @@
 //! | `columns_between`, `rows_between` | what lies between the matched ones |
 //! | `median`, `median_in_steps` | what stands alone |
 //! | `outside`, `blank` | what lies outside the right image, and what shows nothing: reasons |
+//! | `repetition` | what repeats along the rows: confidence |
 
 pub(crate) mod blank;
 pub(crate) mod choice;
@@ -20,5 +21,6 @@ pub(crate) mod median_in_steps;
 pub(crate) mod outside;
 pub(crate) mod plane_fill;
 pub(crate) mod plane_fit;
+pub(crate) mod repetition;
 pub(crate) mod row_fill;
 pub(crate) mod rows_between;
