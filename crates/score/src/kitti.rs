@@ -1,4 +1,4 @@
-//! KITTI's D1, and how its development kit fills holes before scoring.
+//! KITTI's D1 and Out-T, and how its development kits fill holes before scoring.
 //!
 //! Menze & Geiger: *Object scene flow for autonomous vehicles*, CVPR 2015, and the benchmark's
 //! development kit. A pixel is an outlier when its error exceeds both 3 px and 5 % of the truth:
@@ -7,8 +7,15 @@
 //! D1 = 1/N #{ |estimate - truth| > 3  and  |estimate - truth| > 0.05 |truth| }
 //! ```
 //!
+//! That is the benchmark of 2015. The one of 2012 (Geiger, Lenz & Urtasun: *Are we ready for autonomous driving?*, CVPR
+//! 2012) counts what is off by more than `T` = 2, 3, 4 and 5 px, whatever the truth:
+//!
+//! ```text
+//! Out-T = 1/N #{ |estimate - truth| > T }
+//! ```
+//!
 //! The benchmark scores dense maps: [`fill_from_background`] closes the holes first, from the whole
-//! map, also from outside the region. [`Kitti::d1`] is the number after filling ("All / All" on the
+//! map, also from outside the region. [`Kitti::d1`] and [`Kitti::out`] are numbers after filling ("All / All" on the
 //! benchmark's pages), [`Kitti::d1_est`] that of the pixels that had an estimate ("All / Est"), and
 //! the density belongs beside it. Whether the score is `noc` or `occ` is decided by the truth or
 //! the mask that it is given.
@@ -22,8 +29,10 @@ use crate::Pixels;
 const PIXELS: f64 = 3.0;
 /// ... and by more than this share of the true disparity.
 const SHARE: f64 = 0.05;
+/// The thresholds of 2012 in pixels.
+const THRESHOLDS: [f64; 4] = [2.0, 3.0, 4.0, 5.0];
 
-/// KITTI's outlier rate.
+/// KITTI's outlier rates.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Kitti {
     /// Share of outliers after holes were filled from the background. A pixel that could not be
@@ -31,13 +40,25 @@ pub struct Kitti {
     pub d1: f64,
     /// Share of outliers among the pixels with an estimate; `None` without any.
     pub d1_est: Option<f64>,
+    /// Out-2, Out-3, Out-4 and Out-5 of the benchmark of 2012, after the same filling.
+    pub out: [Out; 4],
     /// Share of the scored pixels that had an estimate before filling.
     pub density: f64,
     /// What was counted, and how.
     pub protocol: String,
 }
 
-/// D1 of the pixels, whose estimate is the map as it is, and of the same pixels in `filled`, which
+/// Outliers at one threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Out {
+    /// An error strictly above this many pixels is an outlier.
+    pub threshold: f64,
+    /// Share of outliers after holes were filled from the background, from 0 to 1. A pixel that could not be filled is
+    /// an outlier.
+    pub share: f64,
+}
+
+/// The outlier rates of the pixels, whose estimate is the map as it is, and of the same pixels in `filled`, which
 /// is that map after [`fill_from_background`].
 pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
     let outlier =
@@ -49,19 +70,25 @@ pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
             of_estimates += usize::from(outlier(error, pixel.truth));
         }
     }
-    let after_filling = pixels
-        .with_estimate(filled)
-        .iter()
-        .filter(|pixel| pixel.error().is_none_or(|error| outlier(error, pixel.truth)))
-        .count();
+    let (mut after_filling, mut out) = (0usize, THRESHOLDS.map(|_| 0usize));
+    for pixel in pixels.with_estimate(filled).iter() {
+        let error = pixel.error();
+        after_filling += usize::from(error.is_none_or(|error| outlier(error, pixel.truth)));
+        for (count, threshold) in out.iter_mut().zip(THRESHOLDS) {
+            *count += usize::from(error.is_none_or(|error| error.abs() > threshold));
+        }
+    }
+    let share = |count: usize| count as f64 / pixels.count() as f64;
+    let out = std::array::from_fn(|i| Out { threshold: THRESHOLDS[i], share: share(out[i]) });
     Kitti {
-        d1: after_filling as f64 / pixels.count() as f64,
+        d1: share(after_filling),
+        out,
         d1_est: (estimates > 0).then(|| of_estimates as f64 / estimates as f64),
         density: pixels.density(),
         protocol: format!(
-            "KITTI 2015: {} pixels with known truth in {}; an outlier is off by > {PIXELS} px and \
-             > {} %; D1 after holes were filled from the background in their row (holes: {}), \
-             D1-est of the estimates only",
+            "KITTI: {} pixels with known truth in {}; an outlier is off by > {PIXELS} px and \
+             > {} % (D1, 2015), or by > T px (OutT, 2012), after holes were filled from the \
+             background in their row (holes: {}); D1-est of the estimates only",
             pixels.count(),
             pixels.describe(),
             SHARE * 100.0,
@@ -129,6 +156,16 @@ mod tests {
         // Off by 4 of 100 (4 %), 4 of 50 (8 %), 3 of 10 (not more than 3 px), 2.5 of 5.
         let got = of(&[104.0, 54.0, 13.0, 7.5], &[100.0, 50.0, 10.0, 5.0]);
         assert_eq!((got.d1, got.d1_est, got.density), (0.25, Some(0.25), 1.0));
+    }
+
+    #[test]
+    fn outliers_of_2012_exceed_a_number_of_pixels() {
+        // Off by 4 of 100, 5.5 of 50, 2 and 3 of 10; a gap that takes 10, which is off by 2.5.
+        let got = of(&[104.0, 55.5, 12.0, 13.0, N, 10.0], &[100.0, 50.0, 10.0, 10.0, 7.5, 10.0]);
+        let share = got.out.map(|out| out.share);
+        assert_eq!(got.out.map(|out| out.threshold), [2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(share, [4.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0]);
+        assert_eq!(of(&[N, N], &[10.0, 10.0]).out.map(|out| out.share), [1.0; 4]);
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //! | --- | --- | --- |
 //! | [`course()`] | E_RMS, p_bad | the robotics course whose assignment named them |
 //! | [`middlebury()`] | bad 0.5, 1, 2, 4; avgerr; rms; A50, A90, A95, A99; density | Scharstein et al., GCPR 2014 |
-//! | [`kitti()`] | D1 with holes filled, D1 of the estimates, density | Menze & Geiger, CVPR 2015 |
+//! | [`kitti()`] | D1 with holes filled, D1 of the estimates, Out-2 to Out-5, density | Menze & Geiger, CVPR 2015; Geiger et al., CVPR 2012 |
 //! | [`end_point()`] | mean and median end-point error, bias, sub-pixel error | |
 //! | [`sparsification()`] | ROC and sparsification curve, AUC, AUSE of a confidence | Hu & Mordohai, PAMI 2012; Ilg et al., ECCV 2018 |
 //! | [`masks`] | the pixels that both views see | |
@@ -57,7 +57,7 @@ pub use course::{Course, course};
 pub use end_point::{EndPoint, SubPixel, end_point};
 pub use error::ScoreError;
 pub use evaluation::{Evaluation, Scores, evaluate};
-pub use kitti::{Kitti, fill_from_background, kitti};
+pub use kitti::{Kitti, Out, fill_from_background, kitti};
 pub use measure::{Measure, Unit};
 pub use middlebury::{Bad, Middlebury, middlebury};
 pub use pixels::{Pixel, Pixels};

@@ -37,7 +37,7 @@ macro_rules! measure {
 
 impl Measure {
     /// Every measure, the course's two first, then family by family.
-    pub const ALL: [Measure; 25] = [
+    pub const ALL: [Measure; 29] = [
         Measure {
             name: "E_RMS",
             unit: Unit::Pixels,
@@ -71,6 +71,10 @@ impl Measure {
         measure!("density", Share, middlebury, |m| Some(m.density)),
         measure!("D1", Share, kitti, |k| Some(k.d1)),
         measure!("D1-est", Share, kitti, |k| k.d1_est),
+        measure!("Out2", Share, kitti, |k| Some(k.out[0].share)),
+        measure!("Out3", Share, kitti, |k| Some(k.out[1].share)),
+        measure!("Out4", Share, kitti, |k| Some(k.out[2].share)),
+        measure!("Out5", Share, kitti, |k| Some(k.out[3].share)),
         measure!("EPE", Pixels, end_point, |e| e.mean),
         measure!("median", Pixels, end_point, |e| e.median),
         measure!("bias", Pixels, end_point, |e| e.bias),

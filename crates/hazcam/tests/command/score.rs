@@ -150,3 +150,38 @@ fn what_match_writes_score_reads() {
     let outcome = folder.run("score d.png truth.png --box 3,0,63,39 --fail-over p_bad=5%");
     assert_eq!(outcome.status, 0, "{}{}", outcome.stdout, outcome.stderr);
 }
+
+#[test]
+fn a_confidence_is_told_how_well_it_ranks_errors() {
+    let folder = folder();
+    // Errors 0, 1 and 3: the worst is the surest. The hole and what has no truth are not ranked.
+    folder.disparities("sure.pfm", &[20.0, 10.0, 30.0, f32::NAN, f32::NAN]);
+    let json = folder.run("score d.pfm truth.pfm --confidence sure.pfm --format json").done();
+    let report: Value = serde_json::from_str(&json.stdout).unwrap();
+    let confidence = &report["confidence"];
+    assert_eq!(confidence["path"], "sure.pfm");
+    // By confidence 3, 3/2, 4/3, at best 0, 1/2, 4/3; of bad pixels 1, 1/2, 1/3 and 0, 0, 1/3.
+    let is = |value: &Value, expected: f64| (value.as_f64().unwrap() - expected).abs() < 1e-12;
+    assert!(is(&confidence["error"]["auc"], (3.0 + 1.5 + 4.0 / 3.0) / 3.0), "{confidence}");
+    assert!(is(&confidence["bad"]["ause"], (1.0 + 0.5) / 3.0), "{confidence}");
+    assert_eq!(confidence["bad"]["curve"].as_array().unwrap().len(), 3);
+    let text = folder.run("score d.pfm truth.pfm --confidence sure.pfm").done().stdout;
+    let line = |name: &str| text.lines().find(|line| line.trim().starts_with(name)).unwrap();
+    assert!(
+        line("AUSE-bad2").ends_with(" 50.00 %") && line("AUC-EPE").ends_with(" 1.944 px"),
+        "{text}"
+    );
+
+    folder.disparities("unknown.pfm", &[20.0, 10.0, f32::NAN, 1.0, 1.0]);
+    folder.disparities("short.pfm", &[20.0, 10.0]);
+    let picture = Image::Grey8(Plane::filled(5, 1, 9));
+    formats::write_image(folder.path("sure.png"), &picture).unwrap();
+    for (file, said) in [
+        ("unknown.pfm", "column 2, row 0"),
+        ("short.pfm", "2 x 1"),
+        ("sure.png", "give a .pfm, .npy or .tiff"),
+        ("missing.pfm", "missing.pfm"),
+    ] {
+        folder.refuses(&format!("score d.pfm truth.pfm --confidence {file}"), &[said, file]);
+    }
+}

@@ -3,24 +3,27 @@
 mod report;
 pub mod threshold;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::Context;
-use formats::Encoding;
-use score::{Evaluation, Region, suspected_scale};
+use anyhow::{Context, bail};
+use formats::{Encoding, ReadDisparity};
+use score::{Evaluation, Pixels, RankedError, Region, sparsification, suspected_scale};
 
 use crate::arguments::{self, GivenBox};
 use crate::cli::THRESHOLD_FAILED;
 use crate::ui::Ui;
-use report::{Format, Map, Report};
+use report::{Format, Map, Ranking, Report};
 use threshold::Threshold;
+
+/// A confidence should rank pixels last that are off by more than so many px, as in `hazcam bench`.
+const BAD: f64 = 2.0;
 
 /// Score a disparity map against ground truth
 ///
 /// Prints the course's two numbers (E_RMS, p_bad), then the community's (bad, avgerr, A50 ... of
 /// Middlebury, D1 of KITTI, end-point errors), each family with its protocol: which pixels were
-/// counted, what a hole counts as, the thresholds.
+/// counted, what a hole counts as, the thresholds. With a confidence, how well it ranks errors.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Encodings:
@@ -35,13 +38,19 @@ Exit status: 0 done, 1 a score is over its threshold, 2 error.
 Examples:
   hazcam score disparity.pfm truth.pfm --mask mask0nocc.png
   hazcam score cones.png cones_disp_02.png --truth-encoding png8/4 --box cones_02_bounds.npy
-  hazcam score d.pfm disp_occ/000070_10.png --fail-over p_bad=0.05 --fail-over D1=6%")]
+  hazcam score d.pfm disp_occ/000070_10.png --fail-over p_bad=0.05 --fail-over D1=6%
+  hazcam score d.pfm truth.pfm --confidence sure.pfm --format json")]
 pub struct Args {
     /// The disparity map to score: .pfm, .npy, .tiff or grey .png
     estimate: PathBuf,
 
     /// The true disparities, of the same size
     truth: PathBuf,
+
+    /// How sure each pixel of the estimate is, more is surer, on any scale: .pfm, .npy or .tiff. ROC
+    /// and sparsification: AUC and AUSE of bad 2 and of the error, in JSON with their curves
+    #[arg(long, value_name = "FILE", help_heading = "Input")]
+    confidence: Option<PathBuf>,
 
     /// How the estimate's file stands for disparities
     #[arg(long, value_name = "ENCODING", default_value = "auto", help_heading = "Input")]
@@ -71,8 +80,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "text", help_heading = "Output")]
     format: Format,
 
-    /// End with status 1 when MEASURE, named as in the output, is over VALUE, which may be a share
-    /// (0.05) or per cent (5%). May be given several times
+    /// End with status 1 when MEASURE, named as in the output (but not AUC and AUSE), is over VALUE,
+    /// which may be a share (0.05) or per cent (5%). May be given several times
     #[arg(long, value_name = "MEASURE=VALUE", help_heading = "Output")]
     fail_over: Vec<Threshold>,
 }
@@ -100,15 +109,18 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let evaluation = evaluation.clipped_to(args.max_disparity);
     let scores = evaluation.scores(&region).with_context(context)?;
 
-    let suspected_scale = suspected_scale(&evaluation.pixels(&region)?);
+    let pixels = evaluation.pixels(&region)?;
+    let suspected_scale = suspected_scale(&pixels);
     if let Some(factor) = suspected_scale {
         ui.warn(scale_warning(&args, factor, estimate.encoding, truth.encoding));
     }
+    let ranking = args.confidence.as_deref().map(|path| rank(&pixels, path)).transpose()?;
     let report = Report {
         hazcam: env!("CARGO_PKG_VERSION"),
         estimate: Map::new(&args.estimate, estimate.encoding),
         truth: Map::new(&args.truth, truth.encoding),
         scores,
+        ranking,
         suspected_scale,
     };
     ui.print(&report.render(args.format)?)?;
@@ -121,6 +133,28 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         }
     }
     Ok(if failed { ExitCode::from(THRESHOLD_FAILED) } else { ExitCode::SUCCESS })
+}
+
+/// How well the confidence of a file ranks the pixels' errors.
+fn rank(pixels: &Pixels<'_>, path: &Path) -> anyhow::Result<Ranking> {
+    // Not what had to be assumed: a picture holds whole numbers, which are on no scale of a confidence.
+    let ReadDisparity { values, encoding, .. } = formats::read_disparity(path, Encoding::Auto)?;
+    if !matches!(encoding, Encoding::Pfm | Encoding::Npy | Encoding::Tiff) {
+        bail!(
+            "--confidence {}: a picture holds no numbers that rank pixels; give a .pfm, .npy or .tiff, as `hazcam \
+             match --confidence` writes",
+            path.display()
+        );
+    }
+    let ranked = |error| {
+        let context = || format!("cannot rank pixels by --confidence {}", path.display());
+        sparsification(pixels, &values, error).with_context(context)
+    };
+    Ok(Ranking {
+        path: path.to_owned(),
+        bad: ranked(RankedError::Bad(BAD))?,
+        error: ranked(RankedError::EndPoint)?,
+    })
 }
 
 /// Which of the two files seems to be read at the wrong scale, and what to say instead.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use arena::report::quoted;
 use formats::Encoding;
-use score::{Measure, Scores, Unit};
+use score::{Measure, Scores, Sparsification, Unit};
 use serde::{Serialize, Serializer};
 
 use crate::wrap::wrapped;
@@ -34,6 +34,9 @@ pub struct Report {
     pub truth: Map,
     /// The numbers.
     pub scores: Scores,
+    /// How well a confidence ranks errors, if one was given.
+    #[serde(skip_serializing_if = "Option::is_none", rename = "confidence")]
+    pub ranking: Option<Ranking>,
     /// The factor by which the estimate seems to be too large, if any.
     pub suspected_scale: Option<f64>,
 }
@@ -45,6 +48,25 @@ pub struct Map {
     path: PathBuf,
     #[serde(serialize_with = "as_text")]
     encoding: Encoding,
+}
+
+/// How well a confidence ranks errors.
+#[derive(Serialize)]
+pub struct Ranking {
+    /// The file that it stands in.
+    #[serde(serialize_with = "formats::path_as_text")]
+    pub path: PathBuf,
+    /// Bad pixels.
+    pub bad: Sparsification,
+    /// Errors in pixels.
+    pub error: Sparsification,
+}
+
+/// A number by its name.
+struct Row {
+    name: &'static str,
+    value: Option<f64>,
+    unit: Unit,
 }
 
 fn as_text<S: Serializer>(encoding: &Encoding, serializer: S) -> Result<S::Ok, S::Error> {
@@ -63,13 +85,20 @@ impl Map {
 }
 
 /// The number as people of the field write it: pixels, the course's share, per cent otherwise.
-fn shown(measure: &Measure, value: Option<f64>) -> String {
-    match (value, measure.unit) {
+fn shown(&Row { name, value, unit }: &Row) -> String {
+    match (value, unit) {
         (None, _) => "none".into(),
         (Some(value), Unit::Pixels) => format!("{value:.3} px"),
-        (Some(value), Unit::Share) if measure.name == "p_bad" => format!("{value:.4}"),
+        (Some(value), Unit::Share) if name == "p_bad" => format!("{value:.4}"),
         (Some(value), Unit::Share) => format!("{:.2} %", 100.0 * value),
     }
+}
+
+/// The areas under a curve, of these names.
+fn areas(names: [&'static str; 3], of: &Sparsification, unit: Unit) -> Vec<Row> {
+    let values = [of.auc, of.optimal_auc, of.ause];
+    let rows = names.into_iter().zip(values);
+    rows.map(|(name, value)| Row { name, value: Some(value), unit }).collect()
 }
 
 impl Report {
@@ -84,16 +113,24 @@ impl Report {
     }
 
     /// Families of measures: those that share a protocol, in order.
-    fn families(&self) -> Vec<(&str, Vec<Measure>)> {
-        let mut families: Vec<(&str, Vec<Measure>)> = Vec::new();
+    fn families(&self) -> Vec<(&str, Vec<Row>)> {
+        let mut families: Vec<(&str, Vec<Row>)> = Vec::new();
         for measure in Measure::ALL {
             let protocol = measure.protocol(&self.scores).unwrap_or(
                 "course: no pixel has a nonzero truth, and the course reads zero as unknown",
             );
+            let value = measure.value(&self.scores);
+            let row = Row { name: measure.name, value, unit: measure.unit };
             match families.last_mut() {
-                Some((last, members)) if *last == protocol => members.push(measure),
-                _ => families.push((protocol, vec![measure])),
+                Some((last, members)) if *last == protocol => members.push(row),
+                _ => families.push((protocol, vec![row])),
             }
+        }
+        if let Some(Ranking { bad, error, .. }) = &self.ranking {
+            let names = ["AUC-bad2", "AUC-bad2-optimal", "AUSE-bad2"];
+            families.push((&bad.protocol, areas(names, bad, Unit::Share)));
+            let names = ["AUC-EPE", "AUC-EPE-optimal", "AUSE-EPE"];
+            families.push((&error.protocol, areas(names, error, Unit::Pixels)));
         }
         families
     }
@@ -108,12 +145,11 @@ impl Report {
         line(format!(
             "pixels     {pixels} with known truth, {holes} of them holes ({percent:.2} %)"
         ));
-        for (protocol, measures) in self.families() {
+        for (protocol, rows) in self.families() {
             line(String::new());
             wrapped(protocol).into_iter().for_each(&mut line);
-            for measure in measures {
-                let value = shown(&measure, measure.value(&self.scores));
-                line(format!("  {:<14} {value:>12}", measure.name));
+            for row in rows {
+                line(format!("  {:<16} {:>10}", row.name, shown(&row)));
             }
         }
         text
@@ -121,17 +157,17 @@ impl Report {
 
     fn csv(&self) -> String {
         let mut text = String::from("estimate,truth,measure,value,unit,protocol\n");
-        for (protocol, measures) in self.families() {
-            for measure in measures {
-                let value = measure.value(&self.scores).map(|v| v.to_string()).unwrap_or_default();
-                let unit = match measure.unit {
+        for (protocol, rows) in self.families() {
+            for row in rows {
+                let value = row.value.map(|v| v.to_string()).unwrap_or_default();
+                let unit = match row.unit {
                     Unit::Pixels => "px",
                     Unit::Share => "share",
                 };
                 let fields = [
                     &self.estimate.path.display().to_string(),
                     &self.truth.path.display().to_string(),
-                    measure.name,
+                    row.name,
                     &value,
                     unit,
                     protocol,
@@ -152,10 +188,9 @@ impl Report {
             self.scores.holes
         );
         let families = self.families();
-        for (i, (_, measures)) in families.iter().enumerate() {
-            for measure in measures {
-                let value = shown(measure, measure.value(&self.scores));
-                let _ = writeln!(text, "| {} [{}] | {value} |", measure.name, i + 1);
+        for (i, (_, rows)) in families.iter().enumerate() {
+            for row in rows {
+                let _ = writeln!(text, "| {} [{}] | {} |", row.name, i + 1, shown(row));
             }
         }
         text.push('\n');
