@@ -36,7 +36,7 @@ const ALIKE: u16 = 4;
 /// Four differences of at most so many grey values are one byte.
 const BOUND: u8 = u8::MAX / ROWS as u8;
 /// Windows that differ by no more than so many grey values a pixel show no texture.
-const TEXTURE: u16 = 6;
+const TEXTURE: u16 = 4;
 /// How sure a pixel can be. Of the tuning scenes' pixels that repeat, 6 % of those that were sure (.5) are wrong, as are
 /// others that are this sure.
 const MOST: f32 = 0.2;
@@ -350,7 +350,7 @@ mod tests {
             let differ: i64 =
                 window().map(|(x, y)| (at(x, y) - at(x + side * period, y)).abs().min(63)).sum();
             let usual = expected.min(most);
-            if usual > 6 * SAMPLES as i64 && 4 * differ < usual {
+            if usual > 4 * SAMPLES as i64 && 4 * differ < usual {
                 return period as u16;
             }
             most = most.max(differ);
