@@ -150,8 +150,9 @@ impl Matcher {
         let matched = matcher.compute(left, right, bounds).map(|_| ());
         let answer = matched.map(|()| {
             let mut words = doubts::in_words(&matcher, left, right, bounds);
-            // Cameras stay what they are.
-            if !self.has_looked.swap(true, Ordering::Relaxed) {
+            // Cameras stay what they are, but a first frame may show nothing: a cap on a lens, the dark.
+            if !self.has_looked.load(Ordering::Relaxed) {
+                self.has_looked.store(words.is_empty(), Ordering::Relaxed);
                 words.extend(doubts::of_images(left, right));
             }
             Answer::of(&matcher, words)

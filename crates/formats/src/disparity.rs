@@ -27,11 +27,13 @@ pub struct ReadDisparity {
 /// encoding is a demand: a file of another kind is an error.
 ///
 /// Errors: [`FormatError::Read`], [`FormatError::WrongKind`] for a file that holds no disparities or not so encoded,
-/// [`FormatError::Malformed`] and [`FormatError::TooLarge`] as the readers of its format.
+/// [`FormatError::Malformed`] and [`FormatError::TooLarge`] as the readers of its format, [`FormatError::Text`] for a
+/// divisor that makes no pixels.
 pub fn read_disparity(
     path: impl AsRef<Path>,
     encoding: Encoding,
 ) -> Result<ReadDisparity, FormatError> {
+    let encoding = encoding.check()?;
     let source = Source::open(path.as_ref())?;
     let container = source.container()?;
     match container {

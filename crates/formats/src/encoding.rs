@@ -49,32 +49,47 @@ impl FromStr for Encoding {
     type Err = FormatError;
 
     fn from_str(text: &str) -> Result<Self, FormatError> {
-        let wrong = || FormatError::Text {
-            text: text.to_owned(),
-            what: "an encoding of disparities",
-            allowed: "give auto, png8/DIVISOR (png8/4 for Cones and Teddy), png16/DIVISOR \
-                      (png16/256 for KITTI), pfm, npy or tiff"
-                .to_owned(),
-        };
-        let parse = |divisor: &str| match divisor.parse::<f32>() {
-            // The largest sample must be a number of pixels too.
-            Ok(divisor) if divisor > 0.0 && (f32::from(u16::MAX) / divisor).is_normal() => {
-                Ok(divisor)
-            }
-            _ => Err(wrong()),
-        };
-        match text.split_once('/') {
-            Some(("png8", divisor)) => Ok(Self::Png8 { divisor: parse(divisor)? }),
-            Some(("png16", divisor)) => Ok(Self::Png16 { divisor: parse(divisor)? }),
-            Some(_) => Err(wrong()),
+        let wrong = || none(text);
+        let parse = |divisor: &str| divisor.parse().map_err(|_| wrong());
+        let encoding = match text.split_once('/') {
+            Some(("png8", divisor)) => Self::Png8 { divisor: parse(divisor)? },
+            Some(("png16", divisor)) => Self::Png16 { divisor: parse(divisor)? },
+            Some(_) => return Err(wrong()),
             None => match text {
-                "auto" => Ok(Self::Auto),
-                "pfm" => Ok(Self::Pfm),
-                "npy" => Ok(Self::Npy),
-                "tiff" => Ok(Self::Tiff),
-                _ => Err(wrong()),
+                "auto" => Self::Auto,
+                "pfm" => Self::Pfm,
+                "npy" => Self::Npy,
+                "tiff" => Self::Tiff,
+                _ => return Err(wrong()),
             },
+        };
+        encoding.check().map_err(|_| wrong())
+    }
+}
+
+impl Encoding {
+    /// Errors when it has a divisor that makes no pixels.
+    pub(crate) fn check(self) -> Result<Self, FormatError> {
+        match self {
+            // The largest sample must be a number of pixels too.
+            Self::Png8 { divisor } | Self::Png16 { divisor }
+                if !(divisor > 0.0 && (f32::from(u16::MAX) / divisor).is_normal()) =>
+            {
+                Err(none(&self.to_string()))
+            }
+            _ => Ok(self),
         }
+    }
+}
+
+/// The error of what is no encoding.
+fn none(text: &str) -> FormatError {
+    FormatError::Text {
+        text: text.to_owned(),
+        what: "an encoding of disparities",
+        allowed: "give auto, png8/DIVISOR (png8/4 for Cones and Teddy), png16/DIVISOR \
+                  (png16/256 for KITTI), pfm, npy or tiff"
+            .to_owned(),
     }
 }
 
@@ -86,6 +101,16 @@ mod tests {
     fn names_survive_a_round_trip() {
         for name in ["auto", "png8/4", "png8/2.5", "png16/256", "pfm", "npy", "tiff"] {
             assert_eq!(name.parse::<Encoding>().unwrap().to_string(), name);
+        }
+    }
+
+    #[test]
+    fn a_divisor_that_makes_no_pixels_is_refused_before_anything_is_read() {
+        for divisor in [0.0, -4.0, f32::NAN, f32::INFINITY, 1e-40] {
+            for encoding in [Encoding::Png8 { divisor }, Encoding::Png16 { divisor }] {
+                let error = crate::read_disparity("missing.png", encoding).unwrap_err();
+                assert!(error.to_string().contains(&format!("{encoding}` is not an encoding")));
+            }
         }
     }
 

@@ -11,12 +11,14 @@ use crate::ui::Ui;
 /// Of cameras that look at scenes: pixels of the focal length at the least, metres of baselines.
 const LEAST_FOCAL: f64 = 10.0;
 const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=20.0;
+/// Principal points lie within so much of the size of images from their middle.
+const OFF_MIDDLE: f64 = 0.25;
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
-    /// Calibration of Middlebury, ETH3D or KITTI, P1 and P2 of OpenCV in YAML, or ROS's of the right camera
-    /// (`hazcam info FILE` shows what is in it)
+    /// Calibration of Middlebury, ETH3D or KITTI, P1 and P2 of OpenCV in YAML, or ROS's of the right camera, its
+    /// CameraInfo included (`hazcam info FILE` shows what is in it)
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
 
@@ -97,6 +99,20 @@ fn doubt(camera: &StereoCamera) -> Option<String> {
     }
 }
 
+/// What is unusual about the principal point for a map of a size, as it is where that was made at another scale than
+/// the calibration, or cut out.
+fn off_middle(camera: &StereoCamera, (columns, rows): (usize, usize)) -> Option<String> {
+    let StereoCamera { cx, cy, .. } = *camera;
+    let share = |place: f64, size: usize| (place / size as f64 - 0.5).abs();
+    (share(cx, columns).max(share(cy, rows)) > OFF_MIDDLE).then(|| {
+        format!(
+            "the principal point, column {cx} and row {cy}, is far from the middle of the map of {columns} x {rows}, \
+             and the file does not say of which size its images are: if they have another scale, depth is wrong; give \
+             --focal, --baseline, --doffs and --principal at that of the map"
+        )
+    })
+}
+
 fn calibrated(
     path: &Path,
     size: (usize, usize),
@@ -116,20 +132,41 @@ fn calibrated(
             size.1
         );
     }
-    if calibration.layout == CalibrationLayout::OpenCv {
-        let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = calibration.camera;
-        ui.note(format_args!(
+    let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = calibration.camera;
+    match calibration.layout {
+        CalibrationLayout::OpenCv => ui.note(format_args!(
             "{}: the baseline of {baseline_m} is taken as metres; OpenCV has it in the unit of the \
              board's squares: if that was another one, give --focal {focal_px} --baseline METRES \
              --doffs {doffs} --principal {cx},{cy}",
             path.display()
-        ));
+        )),
+        CalibrationLayout::Ros => ui.note(format_args!(
+            "{}: the left camera is taken to have its principal point in column {cx} too (doffs 0), as ROS rectifies \
+             pairs; if its own file says another column, give --focal {focal_px} --baseline {baseline_m} --doffs \
+             RIGHT-LEFT --principal LEFT,{cy}",
+            path.display()
+        )),
+        _ => {}
+    }
+    if calibration.width.is_none()
+        && let Some(doubt) = off_middle(&calibration.camera, size)
+    {
+        ui.note(format_args!("{}: {doubt}", path.display()));
     }
     Ok(match image {
         // Its folder tells, which a name from there does not have; the file itself may lie elsewhere.
         Some(image) => {
             let place = formats::in_its_folder(image);
-            calibration.camera_of(place.as_deref().unwrap_or(image))
+            let place = place.as_deref().unwrap_or(image);
+            if let Some([left, right]) = calibration.lacks_pair_of(place) {
+                ui.note(format_args!(
+                    "{}: {left} and {right}, of the pair that {} belongs to by its folder, are not both there: the \
+                     cameras of the other pair were taken, whose baseline differs by about a per cent",
+                    path.display(),
+                    image.display()
+                ));
+            }
+            calibration.camera_of(place)
         }
         None => {
             if calibration.colour_camera.is_some_and(|colour| colour != calibration.camera) {
@@ -156,6 +193,23 @@ mod tests {
         assert!(about(0.004, 0.12).unwrap().contains("focal length is 0.004 px"));
         for baseline in [1.67e-4, 120.0] {
             assert!(about(700.0, baseline).unwrap().contains("the baseline is"));
+        }
+    }
+
+    #[test]
+    fn a_principal_point_far_from_the_middle_is_doubted() {
+        let about =
+            |cx, cy| off_middle(&StereoCamera::new(700.0, 0.5, 0.0, cx, cy).unwrap(), (620, 188));
+        assert_eq!(
+            [about(309.5, 93.5), about(160.0, 60.0), about(460.0, 140.0)],
+            [None, None, None]
+        );
+        for (cx, cy) in [(607.2, 185.2), (309.5, 0.0), (-371.0, 93.5)] {
+            let said = about(cx, cy).unwrap();
+            assert!(
+                said.contains(&format!("column {cx} and row {cy}")) && said.contains("620 x 188"),
+                "{said}"
+            );
         }
     }
 

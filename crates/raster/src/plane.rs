@@ -226,7 +226,10 @@ impl<'a, T> View<'a, T> {
     /// The part that some of its columns and rows have in common. Panics when it has not all of them.
     pub fn part(&self, columns: Range<usize>, rows: Range<usize>) -> View<'a, T> {
         assert!(
-            columns.end <= self.columns && rows.end <= self.rows,
+            columns.start <= columns.end
+                && columns.end <= self.columns
+                && rows.start <= rows.end
+                && rows.end <= self.rows,
             "columns {columns:?} and rows {rows:?} of a view of {} x {}",
             self.columns,
             self.rows

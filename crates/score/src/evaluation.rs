@@ -72,7 +72,7 @@ impl<'a> Evaluation<'a> {
             holes: pixels.holes(),
             course: course(&pixels),
             middlebury: middlebury(&pixels, self.max_disparity)?,
-            kitti: kitti(&pixels, &self.filled),
+            kitti: kitti(&pixels, &self.filled)?,
             end_point: end_point(&pixels),
         })
     }

@@ -23,7 +23,8 @@
 use raster::Plane;
 use serde::Serialize;
 
-use crate::Pixels;
+use crate::pixels::check_size;
+use crate::{Pixels, ScoreError};
 
 /// An outlier is off by more than this many pixels ...
 const PIXELS: f64 = 3.0;
@@ -60,7 +61,10 @@ pub struct Out {
 
 /// The outlier rates of the pixels, whose estimate is the map as it is, and of the same pixels in `filled`, which
 /// is that map after [`fill_from_background`].
-pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
+///
+/// Errors when `filled` has another size.
+pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Result<Kitti, ScoreError> {
+    check_size("filled map", filled.size(), pixels.estimate())?;
     let outlier =
         |error: f64, truth: f64| error.abs() > PIXELS && error.abs() > SHARE * truth.abs();
     let (mut estimates, mut of_estimates) = (0usize, 0usize);
@@ -80,7 +84,7 @@ pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
     }
     let share = |count: usize| count as f64 / pixels.count() as f64;
     let out = std::array::from_fn(|i| Out { threshold: THRESHOLDS[i], share: share(out[i]) });
-    Kitti {
+    Ok(Kitti {
         d1: share(after_filling),
         out,
         d1_est: (estimates > 0).then(|| of_estimates as f64 / estimates as f64),
@@ -94,7 +98,7 @@ pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Kitti {
             SHARE * 100.0,
             pixels.holes()
         ),
-    }
+    })
 }
 
 /// Closes holes as KITTI's development kit does.
@@ -148,7 +152,15 @@ mod tests {
     fn of(estimate: &[f32], truth: &[f32]) -> Kitti {
         let (estimate, truth) = row(estimate, truth);
         let pixels = Pixels::select(&estimate, &truth, &Region::whole()).unwrap();
-        kitti(&pixels, &fill_from_background(&estimate))
+        kitti(&pixels, &fill_from_background(&estimate)).unwrap()
+    }
+
+    #[test]
+    fn a_filled_map_of_another_size_is_refused() {
+        let (estimate, truth) = row(&[1.0, 2.0], &[1.0, 2.0]);
+        let pixels = Pixels::select(&estimate, &truth, &Region::whole()).unwrap();
+        let error = kitti(&pixels, &Plane::filled(1, 1, 1.0)).unwrap_err().to_string();
+        assert!(error.contains("1 x 1") && error.contains("2 x 1"), "{error}");
     }
 
     #[test]

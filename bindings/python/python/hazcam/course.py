@@ -125,6 +125,9 @@ def _largest(maxd: int) -> int:
     """The largest disparity, where it is one."""
     needed = f"a whole number of pixels from 0 to {FARTHEST} is needed"
     try:
+        # A truth value is a number to Python, and a mistake here.
+        if isinstance(maxd, (bool, np.bool_)):
+            raise TypeError
         largest = operator.index(maxd)
     except TypeError:
         raise ArgumentTypeError(f"`maxd` is {maxd!r}, but {needed}") from None

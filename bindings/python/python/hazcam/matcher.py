@@ -109,9 +109,11 @@ class Matcher:
         Warns
         -----
         HazcamWarning
-            Where little matched, matches pile up at an end of the range, the images stand
-            far off vertically, or samples leave their upper bits unused. Python shows each once for
-            a line of your program.
+            Where little matched, matches pile up at an end of the range or at disparity 0, or the
+            images stand far off vertically; and, looked for until a frame is answered without any
+            such doubt, where samples use few of 16 bits or few grey levels, both images show blocks
+            of compression, or one is less sharp than the other. Python shows each once for a line
+            of your program.
         """
         values, reasons, confidence, vertical, doubts = self._matcher.compute(left, right, box)
         for doubt in doubts:

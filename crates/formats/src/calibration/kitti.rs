@@ -33,12 +33,8 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         entries.fail(None, problem)
     })?;
     let size = size(entries)?;
-    Ok(Calibration {
-        colour_camera: colour,
-        width: size.map(|size| size[0]),
-        height: size.map(|size| size[1]),
-        ..Calibration::of(CalibrationLayout::Kitti, camera)
-    })
+    let calibration = Calibration::of(CalibrationLayout::Kitti, camera).sized(size);
+    Ok(Calibration { colour_camera: colour, ..calibration })
 }
 
 /// The pair of two matrices, or `None` unless both are there.
@@ -103,6 +99,17 @@ mod tests {
         for grey in ["image_0/000070_10.png", "image_2/image_0/000070_10.png", "left.png"] {
             assert_eq!(calibration.camera_of(grey), calibration.camera, "{grey}");
         }
+    }
+
+    #[test]
+    fn a_pair_that_is_not_there_is_told() {
+        let (grey, colour) = SAMPLE.split_at(SAMPLE.find("P2").unwrap());
+        let [both, grey, colour] = [SAMPLE, grey, colour].map(|text| read(text).unwrap());
+        let (of_grey, of_colour) = ("image_00/data/0000000000.png", "image_2/000000_10.png");
+        assert_eq!([of_grey, of_colour].map(|left| both.lacks_pair_of(left)), [None; 2]);
+        assert_eq!(grey.lacks_pair_of(of_colour), Some(["P2", "P3"]));
+        assert_eq!(colour.lacks_pair_of(of_grey), Some(["P0", "P1"]));
+        assert_eq!([grey.lacks_pair_of(of_grey), grey.lacks_pair_of("left.png")], [None; 2]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Middlebury's `calib.txt`, also ETH3D's, and the lunar set's own keys.
 
+use std::num::NonZero;
 use std::str::FromStr;
 
 use camera::StereoCamera;
@@ -10,6 +11,7 @@ use crate::FormatError;
 
 /// `doffs` may differ from the difference of principal points by so many pixels: files are rounded.
 const ROUNDED: f64 = 0.1;
+const SIZE: &str = "a whole number of pixels";
 
 /// `cam0`, `cam1`, `doffs`, `baseline` in millimetres, and what helps with display.
 pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
@@ -22,23 +24,36 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         false => apart,
     };
     if (doffs - apart).abs() > ROUNDED {
+        let remedy = match (doffs + apart).abs() > ROUNDED {
+            true => "one of them is wrong",
+            false => "are cam0, the left camera, and cam1 exchanged?",
+        };
         let problem = format!(
-            "`doffs` is {doffs}, but the principal points of cam0 and cam1 are {apart} columns \
-             apart: one of them is wrong"
+            "`doffs` is {doffs}, but the principal point of cam1 less that of cam0 is {apart}: {remedy}"
         );
         return Err(entries.fail(None, problem));
     }
     let baseline_m = entries.number("baseline")? / 1000.0;
     let isint: Option<Flag> = entries.optional("isint", "0 or 1")?;
     let camera = entries.camera(cam0[0], baseline_m, doffs, cam0[2], cam0[5])?;
+    let stated = [entries.optional("width", SIZE)?, entries.optional("height", SIZE)?];
+    let size = entries.size(["width", "height"], stated)?;
+    let ndisp: Option<NonZero<usize>> = entries.optional("ndisp", "a whole number, 1 or more")?;
+    let (vmin, vmax) =
+        (entries.optional("vmin", "a number")?, entries.optional("vmax", "a number")?);
+    if let (Some(vmin), Some(vmax)) = (vmin, vmax)
+        && vmin > vmax
+    {
+        let problem =
+            format!("`vmin` is {vmin}, above `vmax`, which is {vmax}: are they exchanged?");
+        return Err(entries.fail(None, problem));
+    }
     Ok(Calibration {
-        width: entries.optional("width", "a whole number")?,
-        height: entries.optional("height", "a whole number")?,
-        ndisp: entries.optional("ndisp", "a whole number")?,
+        ndisp: ndisp.map(NonZero::get),
         isint: isint.map(|flag| flag.0),
-        vmin: entries.optional("vmin", "a number")?,
-        vmax: entries.optional("vmax", "a number")?,
-        ..Calibration::of(CalibrationLayout::Middlebury, camera)
+        vmin,
+        vmax,
+        ..Calibration::of(CalibrationLayout::Middlebury, camera).sized(size)
     })
 }
 
@@ -154,6 +169,12 @@ mod tests {
             ),
             ("cam1=[1038.018 0 ", "cam1=[1038.018 0.3 ", "cam1 has 0.3 in row 1, column 2"),
             ("doffs= 53.271", "doffs= 10", "`doffs` is 10"),
+            ("doffs= 53.271", "doffs= -53.271", "cam1 exchanged?"),
+            ("cam1=[1038.018", "cam1=[nan", "cam1 has the focal length NaN"),
+            ("width= 718", "width= 0", "`width` is 0"),
+            ("width= 718", "width= 71.8", "`width` is 71.8"),
+            ("ndisp= 73", "ndisp= 0", "`ndisp` is `0`"),
+            ("vmin= 8", "vmin= 80", "`vmin` is 80, above `vmax`"),
         ];
         refused(SAMPLE, &changes);
     }

@@ -5,7 +5,7 @@
 //! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
 //! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
 //! | OpenCV's YAML | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
-//! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4 | `-projection_matrix[0][3] / f`, metres | as the left one, `doffs = 0` |
+//! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4; `P` or `p` of a `CameraInfo` that was printed | `-P[0][3] / f`, metres | as the left one, `doffs = 0` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
 
 mod kitti;
@@ -60,13 +60,19 @@ pub enum CalibrationLayout {
     /// `P1` and `P2` in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the squares
     /// that the cameras were calibrated with. It is taken as metres.
     OpenCv,
-    /// `projection_matrix` in the YAML file of a pair's right camera, as ROS keeps it.
+    /// `projection_matrix` in the YAML file of a pair's right camera, as ROS keeps it, or its `CameraInfo` as it is
+    /// printed. It does not tell of the left camera: that it has its principal point in the same column is assumed.
     Ros,
     /// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
     Lunar,
 }
 
 impl Calibration {
+    /// With the size of images, where a file states it.
+    fn sized(self, size: Option<[usize; 2]>) -> Self {
+        Self { width: size.map(|size| size[0]), height: size.map(|size| size[1]), ..self }
+    }
+
     /// A camera, and nothing else.
     fn of(layout: CalibrationLayout, camera: StereoCamera) -> Self {
         Self {
@@ -86,16 +92,34 @@ impl Calibration {
     /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair,
     /// everything else to [`Calibration::camera`].
     pub fn camera_of(&self, left: impl AsRef<Path>) -> StereoCamera {
-        let folder = left.as_ref().parent().map(|parent| match parent.file_name() {
-            Some(name) if name == "data" => parent.parent().unwrap_or(parent),
-            _ => parent,
-        });
-        let name = folder.and_then(Path::file_name).and_then(OsStr::to_str);
-        let colour = matches!(name, Some("image_2" | "image_02" | "colored_0"));
         match self.colour_camera {
-            Some(camera) if colour => camera,
+            Some(camera) if is_colour(left.as_ref()) == Some(true) => camera,
             _ => self.camera,
         }
+    }
+
+    /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder, so
+    /// that [`Calibration::camera_of`] gives the other pair.
+    pub fn lacks_pair_of(&self, left: impl AsRef<Path>) -> Option<[&'static str; 2]> {
+        let is_colour =
+            is_colour(left.as_ref()).filter(|_| self.layout == CalibrationLayout::Kitti)?;
+        match is_colour {
+            true => self.colour_camera.is_none().then_some(["P2", "P3"]),
+            false => (self.colour_camera == Some(self.camera)).then_some(["P0", "P1"]),
+        }
+    }
+}
+
+/// Whether a left image of KITTI's belongs to the colour pair or to the grey one, where its folder tells.
+fn is_colour(left: &Path) -> Option<bool> {
+    let folder = left.parent().map(|parent| match parent.file_name() {
+        Some(name) if name == "data" => parent.parent().unwrap_or(parent),
+        _ => parent,
+    });
+    match folder?.file_name().and_then(OsStr::to_str)? {
+        "image_2" | "image_02" | "colored_0" => Some(true),
+        "image_0" | "image_00" => Some(false),
+        _ => None,
     }
 }
 
@@ -117,15 +141,25 @@ pub fn read_calibration(path: impl AsRef<Path>) -> Result<Calibration, FormatErr
 }
 
 /// Writes the calibration of images of this size (columns, rows) in Middlebury's layout, whole or not at all. Of the
-/// range only the largest disparity can be told.
+/// range only the largest disparity can be told, and not if it is negative: `ndisp` then is 1.
 ///
-/// Errors: [`FormatError::Write`].
+/// Errors: [`FormatError::Write`], also for images without pixels.
 pub fn write_calibration(
     path: impl AsRef<Path>,
     camera: &StereoCamera,
     size: (usize, usize),
     range: DisparityRange,
 ) -> Result<(), FormatError> {
+    if size.0 == 0 || size.1 == 0 {
+        return Err(FormatError::Write {
+            path: path.as_ref().to_owned(),
+            problem: format!(
+                "images of {} x {} have no pixels: at least 1 x 1 is needed",
+                size.0, size.1
+            ),
+            source: None,
+        });
+    }
     let text = middlebury::text(camera, size, range);
     write_atomically(path, |writer| writer.write_all(text.as_bytes()))
 }
@@ -146,7 +180,14 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     if opencv::is_opencv(text) {
         return opencv::parse(&entries, text);
     }
-    if entries.has("T_cn_cnm1") {
+    let is_storage = text.starts_with("<?xml") || text.trim_start().starts_with('{');
+    if is_storage && text.contains("P1") && text.contains("P2") {
+        return Err(source.wrong_kind(
+            "an XML or JSON file of OpenCV's",
+            "its YAML is read: save P1 and P2 under a name that ends in .yml (OpenCV: FileStorage)",
+        ));
+    }
+    if entries.has("T_cn_cnm1") || (entries.has("intrinsics") && entries.has("camera_model")) {
         return Err(source.wrong_kind(
             "Kalibr's calibration of cameras that are not rectified yet",
             "rectified ones are needed: rectify the images first (OpenCV: stereoRectify, \
@@ -158,7 +199,7 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
         middlebury::parse(&entries)
     } else if entries.has("baseline_m") {
         middlebury::parse_lunar(&entries)
-    } else if ros::is_ros(&entries) {
+    } else if ros::is_file(&entries) || ros::is_message(&entries) {
         ros::parse(&entries, text)
     } else if kitti::is_kitti(&entries) {
         kitti::parse(&entries)
@@ -208,7 +249,14 @@ impl<'a> Entries<'a> {
     }
 
     fn need(&self, key: &str) -> Result<&Entry<'a>, FormatError> {
-        self.find(key)?.ok_or_else(|| self.fail(None, format!("`{key}` is missing")))
+        self.find(key)?.ok_or_else(|| {
+            let remedy = match key {
+                "baseline" => ": give the distance between the cameras in millimetres",
+                "baseline_m" => ": give the distance between the cameras in metres",
+                _ => "",
+            };
+            self.fail(None, format!("`{key}` is missing{remedy}"))
+        })
     }
 
     /// A value that may be missing, but not be anything else than a `T`.
@@ -228,6 +276,27 @@ impl<'a> Entries<'a> {
     fn number(&self, key: &str) -> Result<f64, FormatError> {
         self.need(key)?;
         Ok(self.optional(key, "a number")?.expect("it is there"))
+    }
+
+    /// Columns and rows of images, each under its name, where both are stated.
+    fn size(
+        &self,
+        names: [&str; 2],
+        stated: [Option<f64>; 2],
+    ) -> Result<Option<[usize; 2]>, FormatError> {
+        let mut size = [None; 2];
+        for (size, (name, stated)) in size.iter_mut().zip(names.into_iter().zip(stated)) {
+            let Some(number) = stated else { continue };
+            if !(number >= 1.0 && number < 1e9 && number.fract() == 0.0) {
+                let problem = format!(
+                    "`{name}` is {number}, but must be a whole number of pixels, 1 or more"
+                );
+                return Err(self.fail(None, problem));
+            }
+            *size = Some(number as usize);
+        }
+        let [width, height] = size;
+        Ok(width.zip(height).map(|(width, height)| [width, height]))
     }
 
     /// Exactly `N` numbers; brackets, commas and semicolons between them do not matter.
@@ -283,6 +352,14 @@ impl<'a> Entries<'a> {
             }
         }
         let [focal, of_other] = of_both(0);
+        for (name, focal) in names.into_iter().zip([focal, of_other]) {
+            if !(focal.is_finite() && focal > 0.0) {
+                let problem = format!(
+                    "{name} has the focal length {focal}, but it must be a finite number of pixels above 0"
+                );
+                return Err(self.fail(None, problem));
+            }
+        }
         if focal != of_other {
             let problem = format!(
                 "{name} and {other} have the focal lengths {focal} and {of_other}: a rectified pair \
@@ -354,8 +431,20 @@ mod tests {
 
     #[test]
     fn kalibr_has_no_rectified_cameras() {
+        let one = "cam0:\n  camera_model: pinhole\n  intrinsics: [700, 700, 320, 240]\n";
+        assert!(read(one).unwrap_err().contains("rectify the images first"));
         let text = "cam0:\n  intrinsics: [700, 700, 320, 240]\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.1]\n";
         assert!(read(text).unwrap_err().contains("rectify the images first"));
+    }
+
+    #[test]
+    fn other_files_of_opencv_are_told_from_texts_without_a_camera() {
+        for text in [
+            "<?xml version=\"1.0\"?>\n<opencv_storage>\n<P1/>\n<P2/>",
+            "{ \"P1\": {}, \"P2\": {} }",
+        ] {
+            assert!(read(text).unwrap_err().contains("ends in .yml"), "{text}");
+        }
     }
 
     #[test]

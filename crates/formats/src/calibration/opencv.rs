@@ -4,6 +4,7 @@
 //! squares that the cameras were calibrated with.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::yaml::{self, Matrix};
 use super::{Calibration, CalibrationLayout, Entries};
@@ -19,6 +20,19 @@ struct Storage {
     left: Option<Matrix>,
     #[serde(rename = "P2")]
     right: Option<Matrix>,
+    /// As the calibration programs of OpenCV write it.
+    image_width: Option<f64>,
+    image_height: Option<f64>,
+    #[serde(alias = "imageSize")]
+    image_size: Option<ImageSize>,
+}
+
+/// A `cv::Size`, or what somebody else calls so.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum ImageSize {
+    Size([f64; 2]),
+    Other(IgnoredAny),
 }
 
 /// Whether a text is one of OpenCV's.
@@ -38,7 +52,14 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
     };
     let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];
     let camera = entries.projected(["P1", "P2"], &[left, right])?;
-    Ok(Calibration::of(CalibrationLayout::OpenCv, camera))
+    let (names, stated) = match storage.image_size {
+        Some(ImageSize::Size(size)) => (["image_size"; 2], size.map(Some)),
+        Some(ImageSize::Other(IgnoredAny)) | None => {
+            (["image_width", "image_height"], [storage.image_width, storage.image_height])
+        }
+    };
+    let size = entries.size(names, stated)?;
+    Ok(Calibration::of(CalibrationLayout::OpenCv, camera).sized(size))
 }
 
 #[cfg(test)]
@@ -64,6 +85,27 @@ mod tests {
                 calibration.camera,
                 StereoCamera::new(700.0, 0.12, 4.0, 320.5, 240.0).unwrap()
             );
+        }
+    }
+
+    #[test]
+    fn the_size_of_images_is_read_where_it_is_stated() {
+        let size = |more: &str| read(&format!("{SAMPLE}{more}")).map(|c| c.width.zip(c.height));
+        assert_eq!(size(""), Ok(None));
+        for more in [
+            "image_width: 640\nimage_height: 480\n",
+            "image_size: [ 640, 480 ]\n",
+            "imageSize: [ 640, 480 ]\n",
+        ] {
+            assert_eq!(size(more), Ok(Some((640, 480))), "{more}");
+        }
+        assert_eq!(size("image_size: \"640 x 480\"\n"), Ok(None));
+        for (more, word) in [
+            ("image_width: 0\nimage_height: 480\n", "`image_width` is 0"),
+            ("image_size: [ 640, 48.5 ]\n", "`image_size` is 48.5"),
+        ] {
+            let error = size(more).unwrap_err();
+            assert!(error.contains(word), "{error}");
         }
     }
 

@@ -73,8 +73,11 @@ fn cameras(f: &mut fmt::Formatter<'_>, calibration: &Calibration, bytes: u64) ->
     };
     write!(f, "{layout}, {bytes} bytes")?;
     let mut pairs = vec![("", calibration.camera)];
-    if let Some(colour) = calibration.colour_camera {
-        pairs.push((" of the colour pair", colour));
+    match calibration.colour_camera {
+        // The only pair.
+        Some(colour) if colour == calibration.camera => pairs[0].0 = " of the colour pair",
+        Some(colour) => pairs.push((" of the colour pair", colour)),
+        None => {}
     }
     for (which, camera) in pairs {
         write!(f, "\n  focal length {} px{which}", camera.focal_px)?;

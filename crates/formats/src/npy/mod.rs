@@ -58,6 +58,13 @@ pub fn plane_of_bytes<T: Element>(
 ///
 /// Errors: [`FormatError::Write`].
 pub fn write<T: Element>(path: impl AsRef<Path>, plane: &Plane<T>) -> Result<(), FormatError> {
+    if plane.samples().is_empty() {
+        return Err(FormatError::Write {
+            path: path.as_ref().to_owned(),
+            problem: "the plane has no pixels: at least 1 x 1 is needed".to_owned(),
+            source: None,
+        });
+    }
     write_atomically(path, |writer| encode(plane, writer))
 }
 

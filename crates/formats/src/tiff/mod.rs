@@ -39,7 +39,8 @@ const LZW: u16 = 5;
 const GREY_WITH_ALPHA_8: ColorType = ColorType::Multiband { bit_depth: 8, num_samples: 2 };
 const GREY_WITH_ALPHA_16: ColorType = ColorType::Multiband { bit_depth: 16, num_samples: 2 };
 /// What is read.
-const SAMPLES: &str = "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed";
+const SAMPLES: &str =
+    "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed: save it so";
 
 /// Decodes the picture of a TIFF file.
 pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
@@ -187,8 +188,18 @@ fn content(
             let v = v.as_chunks().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
             (Plane::new(columns, rows, v).map(Image::Rgb16), stored("colour with alpha", 16, false))
         }
-        (color, _) => {
-            return Err(source.wrong_kind(format!("a TIFF of {color:?} samples"), SAMPLES));
+        (color, samples) => {
+            let numbers = match samples {
+                DecodingResult::I8(_)
+                | DecodingResult::I16(_)
+                | DecodingResult::I32(_)
+                | DecodingResult::I64(_) => "signed ",
+                DecodingResult::F16(_) | DecodingResult::F32(_) | DecodingResult::F64(_) => {
+                    "float "
+                }
+                _ => "",
+            };
+            return Err(source.wrong_kind(format!("a TIFF of {numbers}{color:?} samples"), SAMPLES));
         }
     };
     Ok(Content::Picture(Decoded { image: image.map_err(wrong_size)?, stored }))

@@ -374,7 +374,8 @@ impl SemiGlobalMatching {
             let shifted = least_squares::Map { values, reasons: &*reasons, first, rows, range };
             profile.end("least squares", self.least_squares.refine(level, grey, shifted));
         }
-        profile.end("repetition", self.repetition.find(level, grey[0], search.work, range));
+        let searched = (space.count > 0).then_some(range);
+        profile.end("repetition", self.repetition.find(level, grey[0], search.work, searched));
         let stepped = in_steps(level, search.numbers, values, steps);
         // Without a search there is one value everywhere.
         let nowhere = values.row(0)[0];

@@ -12,7 +12,7 @@
 //! differs by from its mean, 7/5 of which is about what it differs by from another window with the same grey values in
 //! other places. So what stands beside an edge, alike on both sides, does not repeat, nor does a slope; and what differs by
 //! little more than noise shows no period at all. What would stand beyond the ends of the image repeats as the other side
-//! does.
+//! does. An image of fewer than 16 columns or rows has no window.
 
 use raster::{BoundingBox, DisparityRange, Plane, View};
 use rayon::prelude::*;
@@ -86,6 +86,15 @@ fn cells(
     cell(first)..cell(last) + 1
 }
 
+/// Of so many windows, the first of which is that of cell `first` of an image, how many have a counterpart a period to
+/// the right within the image, and how many of the first ones have none to the left.
+#[inline(always)]
+fn counterparts(width: usize, first: usize, cells: usize, period: usize) -> (usize, usize) {
+    let inside = cells.min(((width - period) / CELL).saturating_sub(first + 1));
+    let outside = cells.min(period.div_ceil(CELL).saturating_sub(first));
+    (inside, outside)
+}
+
 impl Repetition {
     /// What it takes for a part of an image of so many columns, and a range.
     pub fn bytes(width: usize, part: BoundingBox, range: DisparityRange) -> usize {
@@ -95,20 +104,21 @@ impl Repetition {
         2 * size_of::<u16>() * across * down + rayon::current_num_threads() * row
     }
 
-    /// Looks for periods in a part of the left image, such as a range lets one mistake for each other.
+    /// Looks for periods in a part of the left image, such as let one mistake disparities of the range that is searched,
+    /// if any is, for each other.
     pub fn find(
         &mut self,
         level: Level,
         left: View<'_, u8>,
         part: BoundingBox,
-        range: DisparityRange,
+        range: Option<DisparityRange>,
     ) -> Work {
         let (width, height) = (left.columns(), left.rows());
         self.all = ((width / CELL).saturating_sub(1), height / DOWN);
-        if self.all.0 == 0 || self.all.1 == 0 {
+        let Some(range) = range.filter(|_| self.all.0 > 0 && self.all.1 > 0) else {
             self.periods.iter_mut().for_each(|periods| periods.reshape(0, 0, NEVER));
             return Work::default();
-        }
+        };
         let across = cells(part.x0, part.x1, CELL / 2, CELL, self.all.0);
         let down = cells(part.y0, part.y1, 0, DOWN, self.all.1);
         self.first = (across.start, down.start);
@@ -131,9 +141,13 @@ impl Repetition {
                 periods_of_row(level, &seen, across.start, reach, scratch, right, left_hand);
             }
         });
-        // A difference, its bound, the sum.
-        let compared = 2 * reach * columns * rows * CELL / EVERY * ROWS;
-        Work::bytes(width * rows * ROWS) + Work::operations(3 * compared)
+        let compared = |period| {
+            let (inside, outside) = counterparts(width, across.start, columns, period);
+            inside + columns - outside
+        };
+        // Of every sample of a cell a difference, its bound, the sum.
+        let compared = (1..=reach.min(width)).map(compared).sum::<usize>() * CELL / EVERY * ROWS;
+        Work::bytes(width * rows * ROWS) + Work::operations(3 * compared * rows)
     }
 
     /// Lowers the confidence of a row of disparities, which begins at a column of row `y` of the image, where a period
@@ -253,13 +267,12 @@ at_every_level! {
         let (cells, width) = (right.len(), rows[0].len());
         expect(rows, first, expected);
         for period in 1..=reach.min(width) {
-            // Windows whose counterpart lies within the image: the first ones to the right, the last ones to the left.
-            let inside = cells.min(((width - period) / CELL).saturating_sub(first + 1));
+            // The first ones are compared with the right, the last ones with the left.
+            let (inside, outside) = counterparts(width, first, cells, period);
             if inside > 0 {
                 differences(&lines, first, period as isize, &mut sums[..=inside]);
                 look(period, sums, &expected[..inside], &mut most_right[..inside], &mut right[..inside]);
             }
-            let outside = cells.min(period.div_ceil(CELL).saturating_sub(first));
             if outside < cells {
                 differences(&lines, first + outside, -(period as isize), &mut sums[..=cells - outside]);
                 look(period, sums, &expected[outside..], &mut most_left[outside..], &mut left[outside..]);
@@ -385,7 +398,7 @@ mod tests {
     fn found(level: Level, image: &Plane<u8>, part: BoundingBox, range: (i32, i32)) -> Repetition {
         let mut repetition = Repetition::default();
         let range = DisparityRange::new(range.0, range.1).unwrap();
-        repetition.find(level, image.view(), part, range);
+        repetition.find(level, image.view(), part, Some(range));
         repetition
     }
 
@@ -450,6 +463,12 @@ mod tests {
         // One to the right alone, one to the left alone.
         assert_eq!([confidence((0, 16), 14.0, 0)[80], confidence((0, 16), 3.0, 0)[80]], [MOST; 2]);
         assert_eq!(confidence((0, 16), 8.0, 0)[80], 0.9);
+        // Where nothing is searched, nothing of the frame before is left.
+        let mut searched = found(level, &image, all, (0, 30));
+        searched.find(level, image.view(), all, None);
+        let mut same = vec![0.9; columns];
+        searched.doubt(DisparityRange::new(0, 30).unwrap(), (0, 3), |_| 15.0, &mut same);
+        assert!(same.iter().all(|&told| told == 0.9));
         // Nothing is made surer.
         let repetition = found(level, &image, all, (0, 30));
         let mut little = vec![0.1; columns];
