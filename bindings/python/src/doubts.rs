@@ -35,6 +35,10 @@ fn of_image(doubt: ImageDoubt) -> String {
         ImageDoubt::FewLevels(_) => "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes \
                                      matches worse; spread them over all of it, alike in both"
             .to_owned(),
+        ImageDoubt::UnequalBits([left, right]) => format!(
+            "the samples of `left` use {left} bits, those of `right` {right}: steps of grey are far smaller in one of \
+             them, which makes matches worse; give both over all bits"
+        ),
         ImageDoubt::Compressed => "`left` and `right` show the blocks of 8 x 8 pixels of a compression, which are in \
                                    the same places of both and are matched at multiples of 8 pixels: take pictures \
                                    without, or of a better quality"

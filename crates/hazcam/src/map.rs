@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
@@ -10,12 +11,15 @@ use formats::{Encoding, ReadDisparity};
 use matching::few_bits;
 use raster::{Image, Plane, Reason};
 use serde::Deserialize;
+use sha2::{Digest, Sha256};
 
 use crate::ui::Ui;
 
 /// What is read of the record beside a map.
 #[derive(Deserialize)]
 struct Record {
+    /// Of the map's file.
+    output_sha256: String,
     /// Pixels per reason, as shares.
     reasons: BTreeMap<String, f64>,
 }
@@ -25,6 +29,15 @@ pub struct Map {
     path: PathBuf,
     /// In pixels, NaN where there is none.
     pub disparities: Plane<f32>,
+}
+
+/// The SHA-256 of a file in hexadecimal digits; none for a pipe, which can be read only once.
+pub fn sha256(path: &Path) -> io::Result<Option<String>> {
+    if !fs::metadata(path)?.is_file() {
+        return Ok(None);
+    }
+    let digest = Sha256::digest(fs::read(path)?);
+    Ok(Some(digest.iter().map(|byte| format!("{byte:02x}")).collect()))
 }
 
 impl Map {
@@ -48,11 +61,14 @@ impl Map {
     }
 
     /// Says how many of the disparities were filled in without a match, where the record that `hazcam match` leaves
-    /// beside a map tells of any.
+    /// beside a map tells of any. A record of another map, which stood there before, tells nothing.
     pub fn guesses(&self) -> Option<String> {
         let mut record = self.path.clone().into_os_string();
         record.push(".json");
         let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
+        if sha256(&self.path).ok()?? != record.output_sha256 {
+            return None;
+        }
         let share = |filled: &dyn Fn(Reason) -> bool| -> f64 {
             let reasons = Reason::ALL.into_iter().filter(|&reason| filled(reason));
             reasons.filter_map(|reason| record.reasons.get(reason.name())).sum()

@@ -103,7 +103,7 @@ fn doubt(camera: &StereoCamera) -> Option<String> {
 /// the calibration, or cut out.
 fn off_middle(camera: &StereoCamera, (columns, rows): (usize, usize)) -> Option<String> {
     let StereoCamera { cx, cy, .. } = *camera;
-    let share = |place: f64, size: usize| (place / size as f64 - 0.5).abs();
+    let share = |place: f64, size: usize| ((place + 0.5) / size as f64 - 0.5).abs();
     (share(cx, columns).max(share(cy, rows)) > OFF_MIDDLE).then(|| {
         format!(
             "the principal point, column {cx} and row {cy}, is far from the middle of the map of {columns} x {rows}, \
@@ -201,10 +201,10 @@ mod tests {
         let about =
             |cx, cy| off_middle(&StereoCamera::new(700.0, 0.5, 0.0, cx, cy).unwrap(), (620, 188));
         assert_eq!(
-            [about(309.5, 93.5), about(160.0, 60.0), about(460.0, 140.0)],
+            [about(309.5, 93.5), about(160.0, 60.0), about(460.0, 139.0)],
             [None, None, None]
         );
-        for (cx, cy) in [(607.2, 185.2), (309.5, 0.0), (-371.0, 93.5)] {
+        for (cx, cy) in [(607.2, 185.2), (309.5, -0.5), (-371.0, 93.5)] {
             let said = about(cx, cy).unwrap();
             assert!(
                 said.contains(&format!("column {cx} and row {cy}")) && said.contains("620 x 188"),

@@ -33,7 +33,8 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         entries.fail(None, problem)
     })?;
     let size = size(entries)?;
-    let calibration = Calibration::of(CalibrationLayout::Kitti, camera).sized(size);
+    let calibration = Calibration::of(CalibrationLayout::Kitti, camera)
+        .sized([0, 1].map(|of| size.map(|size| size[of])));
     Ok(Calibration { colour_camera: colour, ..calibration })
 }
 

@@ -68,9 +68,9 @@ pub enum CalibrationLayout {
 }
 
 impl Calibration {
-    /// With the size of images, where a file states it.
-    fn sized(self, size: Option<[usize; 2]>) -> Self {
-        Self { width: size.map(|size| size[0]), height: size.map(|size| size[1]), ..self }
+    /// With columns and rows of images, where a file states them.
+    fn sized(self, [width, height]: [Option<usize>; 2]) -> Self {
+        Self { width, height, ..self }
     }
 
     /// A camera, and nothing else.
@@ -278,12 +278,12 @@ impl<'a> Entries<'a> {
         Ok(self.optional(key, "a number")?.expect("it is there"))
     }
 
-    /// Columns and rows of images, each under its name, where both are stated.
+    /// Columns and rows of images, each under its name, where they are stated.
     fn size(
         &self,
         names: [&str; 2],
         stated: [Option<f64>; 2],
-    ) -> Result<Option<[usize; 2]>, FormatError> {
+    ) -> Result<[Option<usize>; 2], FormatError> {
         let mut size = [None; 2];
         for (size, (name, stated)) in size.iter_mut().zip(names.into_iter().zip(stated)) {
             let Some(number) = stated else { continue };
@@ -295,8 +295,7 @@ impl<'a> Entries<'a> {
             }
             *size = Some(number as usize);
         }
-        let [width, height] = size;
-        Ok(width.zip(height).map(|(width, height)| [width, height]))
+        Ok(size)
     }
 
     /// Exactly `N` numbers; brackets, commas and semicolons between them do not matter.

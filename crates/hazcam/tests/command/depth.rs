@@ -4,7 +4,7 @@ use formats::Encoding;
 use raster::{Image, Plane};
 use serde_json::Value;
 
-use crate::folder::Folder;
+use crate::folder::{Folder, disparities};
 
 /// Focal length times baseline is 200: depths of 4, 2, none, none and 20 m.
 const CAMERA: &str = "--focal 1000 --baseline 0.2";
@@ -28,15 +28,21 @@ fn guesses_are_told_of_where_nobody_leaves_them_out() {
     let folder = folder();
     let told = |more: &str| folder.run(&format!("depth d.pfm {CAMERA} {more}")).done().stderr;
     assert_eq!(told(""), "");
-    let record =
-        r#"{"reasons": {"matched": 0.6, "occluded-filled": 0.15, "mismatched-hole": 0.25}}"#;
-    std::fs::write(folder.path("d.pfm.json"), record).unwrap();
+    let some = r#"{"matched": 0.6, "occluded-filled": 0.15, "mismatched-hole": 0.25}"#;
+    folder.record("d.pfm", some);
     assert!(told("").contains("20.0 % of the disparities were filled in"), "{}", told(""));
     assert_eq!(told("--confidence sure.pfm --min-confidence 0.5"), "");
-    for record in [r#"{"reasons": {"matched": 1}}"#, "[1, 2", "{}"] {
+    folder.record("d.pfm", r#"{"matched": 1}"#);
+    assert_eq!(told(""), "");
+    for record in [&format!(r#"{{"reasons": {some}}}"#), "[1, 2", "{}"] {
         std::fs::write(folder.path("d.pfm.json"), record).unwrap();
         assert_eq!(told(""), "", "{record}");
     }
+    // Somebody else writes a map in its place.
+    folder.record("d.pfm", some);
+    let found = disparities(folder.path("d.pfm"));
+    formats::write_disparity(folder.path("d.pfm"), &found.map(|d| d + 1.0)).unwrap();
+    assert_eq!(told(""), "");
 }
 
 #[test]

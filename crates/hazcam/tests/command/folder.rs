@@ -54,6 +54,15 @@ impl Folder {
         formats::write_disparity(self.path(name), &plane).unwrap();
     }
 
+    /// Writes the record beside a map, as far as it is read, with the shares of reasons.
+    pub fn record(&self, name: &str, reasons: &str) {
+        use sha2::Digest as _;
+        let digest = sha2::Sha256::digest(std::fs::read(self.path(name)).unwrap());
+        let digest: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        let record = format!(r#"{{"output_sha256": "{digest}", "reasons": {reasons}}}"#);
+        std::fs::write(self.path(&format!("{name}.json")), record).unwrap();
+    }
+
     /// The names of all files, sorted.
     pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = std::fs::read_dir(self.0.path())

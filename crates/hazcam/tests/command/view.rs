@@ -84,11 +84,7 @@ fn what_depth_warns_of_is_said_of_a_page_too() {
     let values = [-9.0, -4.0, -2.0, 30.0].repeat(25);
     formats::write_disparity(folder.path("behind.pfm"), &Plane::new(10, 10, values).unwrap())
         .unwrap();
-    std::fs::write(
-        folder.path("behind.pfm.json"),
-        r#"{"reasons": {"matched": 0.5, "occluded-filled": 0.5}}"#,
-    )
-    .unwrap();
+    folder.record("behind.pfm", r#"{"matched": 0.5, "occluded-filled": 0.5}"#);
     let outcome = folder.run(&format!("view behind.pfm {CAMERA} -o view.html")).done();
     for words in
         ["75 of 100 disparities are of nothing in front", "50.0 % of the disparities were filled"]

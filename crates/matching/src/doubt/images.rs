@@ -20,6 +20,8 @@ const BLOCKY: f64 = 1.13;
 /// Fine detail, beside coarse detail, is so many times as strong in one image as in the other. Of all these pairs none
 /// comes to more than 1.75; where one image was out of focus by 2 px, or at half the resolution, mostly more.
 const UNEQUAL: f64 = 1.9;
+/// Exposures differ by less than so many bits.
+const UNEQUAL_BITS: u32 = 3;
 /// Coarse detail is what changes over so many pixels.
 const COARSE: usize = 8;
 /// Smaller images say too little about either.
@@ -39,6 +41,9 @@ pub enum ImageDoubt {
     LeftBlurred(f64),
     /// The right one is.
     RightBlurred(f64),
+    /// The samples of the left image use so many bits, those of the right one so many, of as many as count in each: steps
+    /// of grey are by far smaller in one of them.
+    UnequalBits([u32; 2]),
 }
 
 /// Doubts about a pair of images of one size, before anything is matched; [`few_bits`] tells of another one.
@@ -49,6 +54,7 @@ pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
     });
     let is_large = |[_, along]: &[Plane<f32>; 2]| along.columns().min(along.rows()) >= SMALLEST;
     let mut doubts = Vec::from_iter(few_levels(left, right).map(ImageDoubt::FewLevels));
+    doubts.extend(unequal_bits(left, right).map(ImageDoubt::UnequalBits));
     if views.iter().all(is_large) {
         let are_compressed = views.as_flattened().iter().all(|view| blockiness(view) > BLOCKY);
         doubts.extend(are_compressed.then_some(ImageDoubt::Compressed));
@@ -62,6 +68,16 @@ pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
 pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
     let used = bits_of(levels(left, right)?);
     (1..=FEW_BITS).contains(&used).then_some(used)
+}
+
+/// How many bits the samples of each image of a pair use, where one leaves many of its 16 unused and the other does not.
+fn unequal_bits(left: &Image, right: &Image) -> Option<[u32; 2]> {
+    let used = |image: &Image| Some((bits_of(image.extremes()?), image.depth()));
+    let [(left, of_left), (right, of_right)] = [used(left)?, used(right)?];
+    let [unused, of_other] = [of_left.checked_sub(left)?, of_right.checked_sub(right)?];
+    let is_few = |used: u32, depth: u32| depth == u16::BITS && (1..=FEW_BITS).contains(&used);
+    let one_is = is_few(left, of_left) != is_few(right, of_right);
+    (one_is && unused.abs_diff(of_other) >= UNEQUAL_BITS).then_some([left, right])
 }
 
 /// Between which levels all samples of a pair lie, where these are few and [`few_bits`] does not tell it.
@@ -147,6 +163,24 @@ mod tests {
         assert_eq!(few_levels(&deep(3000), &deep(3255)), None, "few bits");
         assert_eq!(few_levels(&shallow, &deep(30_000)), None);
         assert_eq!(few_levels(&deep(65_535), &deep(65_535)), None, "there is nothing to spread");
+    }
+
+    #[test]
+    fn samples_of_other_bits_than_those_of_the_other_image_are_told() {
+        let deep = |largest: u16| Image::Grey16(Plane::filled(2, 1, largest));
+        let shallow = |largest: u8| Image::Grey8(Plane::filled(2, 1, largest));
+        assert_eq!(unequal_bits(&deep(0x0fff), &deep(0xffff)), Some([12, 16]));
+        assert_eq!(unequal_bits(&shallow(200), &deep(0x03ff)), Some([8, 10]));
+        assert_eq!(image_doubts(&deep(7), &shallow(255)), [ImageDoubt::UnequalBits([3, 8])]);
+        for (left, right) in [
+            (deep(0x0fff), deep(0x03ff)),
+            (deep(0x3fff), deep(0xffff)),
+            (shallow(9), shallow(255)),
+            (deep(0), deep(0xffff)),
+            (shallow(12), deep(0x0fff)),
+        ] {
+            assert_eq!(unequal_bits(&left, &right), None);
+        }
     }
 
     /// Texture at several sizes.

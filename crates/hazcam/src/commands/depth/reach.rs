@@ -47,6 +47,19 @@ struct GoodTo {
     depth_m: f64,
 }
 
+/// Metres with so many decimals, or more where these would leave less than two digits.
+fn digits(metres: f64, decimals: usize) -> String {
+    let leading = metres.abs().log10().floor();
+    let needed = if leading.is_finite() { 1.0 - leading } else { 0.0 };
+    let decimals = decimals.max(needed.clamp(0.0, 12.0) as usize);
+    format!("{metres:.decimals$}")
+}
+
+/// A depth in metres.
+fn length(metres: f64) -> String {
+    digits(metres, 2)
+}
+
 impl Reach {
     pub fn new(
         camera: &StereoCamera,
@@ -80,7 +93,8 @@ impl Reach {
     pub fn text(&self) -> String {
         let depth = match self.depth_m {
             Some(Span { least, median, most }) => {
-                format!("{least:.2} to {most:.2} m, half of the pixels within {median:.2} m")
+                let [least, median, most] = [least, median, most].map(length);
+                format!("{least} to {most} m, half of the pixels within {median} m")
             }
             None => "no pixel has one".into(),
         };
@@ -89,7 +103,8 @@ impl Reach {
             format!("depth   {depth}"),
             format!("pixels  {}", self.pixels_in_words()),
             format!(
-                "camera  focal length {focal_px:.2} px, baseline {baseline_m:.4} m, doffs {doffs:.2} px"
+                "camera  focal length {focal_px:.2} px, baseline {} m, doffs {doffs:.2} px",
+                digits(baseline_m, 4)
             ),
             String::new(),
         ];
@@ -100,13 +115,16 @@ impl Reach {
             lines.extend(self.at.iter().map(
                 |At { depth_m, disparity_px, error_m, error_share }| {
                     let percent = 100.0 * error_share;
-                    format!("{depth_m:>10}  {disparity_px:>12.2}  {error_m:>9.3}  {percent:>7.2}")
+                    format!(
+                        "{depth_m:>10}  {disparity_px:>12.2}  {:>9}  {percent:>7.2}",
+                        digits(*error_m, 3)
+                    )
                 },
             ));
             lines.push(String::new());
         }
         let good = self.good_to.iter().map(|GoodTo { error_share, depth_m }| {
-            format!("{} % up to {depth_m:.2} m", 100.0 * error_share)
+            format!("{} % up to {} m", 100.0 * error_share, length(*depth_m))
         });
         let good: Vec<String> = good.collect();
         lines.push(format!("with {error} px, depth is good to {}\n", good.join(", ")));

@@ -22,8 +22,9 @@ pub fn widened(bits: u32, files: [(&Path, Image); 2]) -> anyhow::Result<[Image; 
         let used = image.bits_used();
         if used > bits {
             bail!(
-                "{path} has samples of {used} bits, more than --bits {bits} allows: give {used} or \
-                 more, or leave it out where the file states its bits itself, as a PGM does"
+                "{path} has samples of {used} bits, more than --bits {bits} allows: give {used}{}, or leave it out \
+                 where the file states its bits itself, as a PGM does",
+                if used < u16::BITS { " or more" } else { "" }
             );
         }
     }

@@ -32,6 +32,10 @@ pub fn of_images(
             "{left} and {right}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; \
              spread them over 0 to 65535 before"
         ),
+        ImageDoubt::UnequalBits([of_left, of_right]) => format!(
+            "the samples of {left} use {of_left} bits, those of {right} {of_right}: steps of grey are far smaller in one \
+             of them, which makes matches worse; store both alike, over all bits"
+        ),
         ImageDoubt::Compressed => format!(
             "{left} and {right} show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
              both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"

@@ -154,6 +154,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.note(assumed);
     }
     outputs.check_range(options.range)?;
+    check_range(options.range, left.columns())?;
     let mut matcher = Matcher::new(options.clone())?;
 
     let spinner = ui.spinner(format!("matching ({})", options.preset));
@@ -220,6 +221,19 @@ fn check_pair(args: &Args, left: &Image, right: &Image) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Errors when no disparity of the range has its match within images of so many columns.
+fn check_range(range: DisparityRange, columns: usize) -> anyhow::Result<()> {
+    let (min, max) = (i64::from(range.min()), i64::from(range.max()));
+    let last = columns as i64 - 1;
+    if min > last || max < -last {
+        bail!(
+            "disparities {min} to {max} lie outside images of {columns} columns: nothing could be matched; give \
+             --min-disparity and --max-disparity within -{last} to {last}"
+        );
+    }
+    Ok(())
+}
+
 /// The matcher's options, and in words what had to be assumed.
 fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<String>)> {
     let preset: Preset = args.matcher.parse()?;
@@ -259,6 +273,18 @@ fn default_count(columns: usize) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_without_a_match_in_the_image_is_refused() {
+        let check = |min, max| check_range(DisparityRange::new(min, max).unwrap(), 450);
+        for (min, max) in [(0, 63), (449, 520), (-520, -449), (-9, 900)] {
+            check(min, max).unwrap();
+        }
+        for (min, max) in [(450, 520), (-520, -450)] {
+            let error = check(min, max).unwrap_err().to_string();
+            assert!(error.contains("450 columns") && error.contains("-449 to 449"), "{error}");
+        }
+    }
 
     #[test]
     fn the_default_range_is_a_quarter_of_the_width() {

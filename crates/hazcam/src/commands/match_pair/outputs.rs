@@ -1,6 +1,8 @@
 //! The files that a match writes.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use anyhow::bail;
 use formats::picture::{self, ColourMap};
@@ -8,6 +10,7 @@ use formats::{FormatError, write_disparity, write_image};
 use raster::{DisparityMap, DisparityRange, Image, Plane};
 
 use super::sidecar::Sidecar;
+use crate::map::sha256;
 use crate::outputs::{self, Output};
 
 /// Where everything goes.
@@ -66,19 +69,28 @@ impl Outputs {
     /// Errors when a file cannot be written, as far as that can be told before there is a map.
     pub fn check(&self, inputs: &[&Path]) -> anyhow::Result<()> {
         let tiny = DisparityMap::empty(1, 1);
-        outputs::check(&self.all(&tiny, DisparityRange::new(0, 1)?, ""), inputs)
+        outputs::check(&self.all(&tiny, DisparityRange::new(0, 1)?, &|_| String::new()), inputs)
     }
 
-    /// Every file that was asked for, and what goes into it.
+    /// Every file that was asked for, and what goes into it; the record is made of the map's SHA-256.
     fn all<'a>(
         &'a self,
         map: &'a DisparityMap,
         range: DisparityRange,
-        record: &'a str,
+        record: &'a dyn Fn(Option<String>) -> String,
     ) -> Vec<Output<'a>> {
+        // The record is written after the map, and tells which one it is of.
+        let digest = Rc::new(RefCell::new(None));
+        let told = Rc::clone(&digest);
         let mut all = vec![
-            Output::new("--output", &self.disparity, |path| write_disparity(path, &map.values)),
+            Output::new("--output", &self.disparity, move |path| {
+                write_disparity(path, &map.values)?;
+                let read = |source| FormatError::Read { path: path.to_owned(), source };
+                *digest.borrow_mut() = sha256(path).map_err(read)?;
+                Ok(())
+            }),
             Output::new("--output", self.sidecar(), move |path| {
+                let record = record(told.borrow().clone());
                 formats::write_atomically(path, |file| file.write_all(record.as_bytes()))
             }),
         ];
@@ -122,8 +134,7 @@ impl Outputs {
         range: DisparityRange,
         sidecar: &Sidecar,
     ) -> anyhow::Result<()> {
-        let record = serde_json::to_string_pretty(sidecar)? + "\n";
-        outputs::write_all_or_none(&self.all(map, range, &record))?;
+        outputs::write_all_or_none(&self.all(map, range, &|digest| sidecar.text(digest)))?;
         Ok(())
     }
 }

@@ -7,13 +7,13 @@ use anyhow::Context;
 use matching::{Holes, Level, Options, VerticalDisparity};
 use raster::{BoundingBox, DisparityMap, Reason};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use super::outputs::Outputs;
 use crate::clock::Elapsed;
+use crate::map::sha256;
 
 /// What stands in `OUT.json`.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub struct Sidecar {
     /// The version of hazcam.
     hazcam: &'static str,
@@ -21,6 +21,8 @@ pub struct Sidecar {
     right: Input,
     #[serde(serialize_with = "formats::path_as_text")]
     output: PathBuf,
+    /// Of the map that was written; none for what is no file.
+    output_sha256: Option<String>,
     columns: usize,
     rows: usize,
     options: OptionsRecord,
@@ -35,7 +37,7 @@ pub struct Sidecar {
 }
 
 /// In pixels, over the image.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct VerticalRecord {
     root_mean_square: f64,
     largest: f64,
@@ -43,7 +45,7 @@ struct VerticalRecord {
 }
 
 /// The factors of `1`, `x`, `y`, `x y` and `y^2`, as [`VerticalDisparity::coefficients`] has them.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct Coefficients {
     constant: f64,
     x: f64,
@@ -58,7 +60,7 @@ impl From<[f64; 5]> for Coefficients {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct Input {
     #[serde(serialize_with = "formats::path_as_text")]
     path: PathBuf,
@@ -67,7 +69,7 @@ struct Input {
     sha256: Option<String>,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct OptionsRecord {
     matcher: &'static str,
     /// How many bits 16-bit samples were said to have; none for all.
@@ -106,6 +108,7 @@ impl Sidecar {
             left: Input::of(left)?,
             right: Input::of(right)?,
             output: outputs.disparity.clone(),
+            output_sha256: None,
             columns: map.values.columns(),
             rows: map.values.rows(),
             options: OptionsRecord {
@@ -132,6 +135,13 @@ impl Sidecar {
         })
     }
 
+    /// The record of a map whose file has this SHA-256, as a text.
+    pub fn text(&self, output_sha256: Option<String>) -> String {
+        let record = Self { output_sha256, ..self.clone() };
+        // Numbers and texts under names of their own: there is nothing that could fail.
+        serde_json::to_string_pretty(&record).expect("a record can be written") + "\n"
+    }
+
     /// The share of the box that was matched, not filled or left open.
     pub fn matched(&self) -> f64 {
         self.reasons.get(Reason::Matched.name()).copied().unwrap_or(0.0)
@@ -154,13 +164,7 @@ impl Input {
     fn of(path: &Path) -> anyhow::Result<Self> {
         let cannot = || format!("cannot read {} again to record its SHA-256", path.display());
         let metadata = std::fs::metadata(path).with_context(cannot)?;
-        let sha256 = match metadata.is_file() {
-            true => {
-                let digest = Sha256::digest(std::fs::read(path).with_context(cannot)?);
-                Some(digest.iter().map(|byte| format!("{byte:02x}")).collect())
-            }
-            false => None,
-        };
+        let sha256 = sha256(path).with_context(cannot)?;
         Ok(Self { path: path.to_owned(), bytes: metadata.len(), sha256 })
     }
 }

@@ -81,7 +81,8 @@ pub struct Args {
     format: Format,
 
     /// End with status 1 when MEASURE, named as in the output (but not AUC and AUSE), is over VALUE,
-    /// which may be a share (0.05) or per cent (5%). May be given several times
+    /// which may be a share (0.05) or per cent (5%); a bias counts by its size. May be given several
+    /// times
     #[arg(long, value_name = "MEASURE=VALUE", help_heading = "Output")]
     fail_over: Vec<Threshold>,
 }
