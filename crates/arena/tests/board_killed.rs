@@ -37,7 +37,7 @@ fn entry(secret_id: &str) -> Entry {
 fn writer() {
     let Some(path) = std::env::var_os(BOARD) else { return };
     let mut board =
-        Board::open_or_begin(Path::new(&path), &Holdout::secret().unwrap(), "print").unwrap();
+        Board::open_or_begin(Path::new(&path), &Holdout::secret(600.0).unwrap(), "print").unwrap();
     let picture =
         Picture { test: "h".into(), disparity: vec![7; 200_000], error: vec![8; 200_000] };
     for n in 0.. {

@@ -31,7 +31,7 @@ fn entry(secret_id: &str) -> Entry {
 }
 
 fn begin(path: &Path) -> Board {
-    Board::open_or_begin(path, &Holdout::secret().unwrap(), "print").unwrap()
+    Board::open_or_begin(path, &Holdout::secret(600.0).unwrap(), "print").unwrap()
 }
 
 fn names(board: &Board) -> Vec<String> {
@@ -138,7 +138,7 @@ fn of_several_that_begin_a_board_one_draws_the_holdout() {
             .map(|n| {
                 let path = &path;
                 scope.spawn(move || {
-                    let holdout = Holdout::secret().unwrap();
+                    let holdout = Holdout::secret(600.0).unwrap();
                     let board = Board::open_or_begin(path, &holdout, &n.to_string()).unwrap();
                     board.holdout().unwrap()
                 })
@@ -159,7 +159,7 @@ fn what_is_no_board_is_told_so_and_left_alone() {
     let before = std::fs::read(&path).unwrap();
     let error = Board::open(&path).unwrap_err().to_string();
     assert!(error.contains("is no leaderboard: it is no SQLite database"), "{error}");
-    let holdout = Holdout::secret().unwrap();
+    let holdout = Holdout::secret(600.0).unwrap();
     assert!(matches!(
         Board::open_or_begin(&path, &holdout, "print"),
         Err(BoardError::Foreign { .. })

@@ -95,7 +95,89 @@ fn middlebury_2005_is_scaled_by_its_size_and_cross_checked() {
         assert_eq!((hidden.name, hidden.mask.row(0)[0]), ("occluded", true));
         assert!(!hidden.mask.row(0)[SIZE.0 - 1]);
     }
-    assert!(!case(&cases, "middlebury2005/other/Art").has_truth());
+    let other = case(&cases, "middlebury2005/other/Art");
+    assert!(!other.has_truth());
+    assert!(other.files().unwrap().unscaled.as_ref().unwrap().ends_with("other/Art/disp1.png"));
+    // The root may be the folder that tells, and other exposures lie below the truth.
+    let third = root.path().join("middlebury2005/ThirdSize");
+    for image in ["view1.png", "view5.png"] {
+        grey8(&third.join("Art/Illum1/Exp0").join(image), 5);
+    }
+    let cases = dataset::open(&third).unwrap();
+    for id in ["Art", "Art/Illum1/Exp0"] {
+        assert_eq!(case(&cases, id).load().unwrap().truth.unwrap().samples()[0], 4.0, "{id}");
+    }
+}
+
+#[test]
+fn middlebury_2001_and_2003_are_scaled_by_their_scenes() {
+    let root = tempfile::tempdir().unwrap();
+    for (scene, image, truth) in [
+        ("cones", "png", "png"),
+        ("TeddyH", "ppm", "pgm"),
+        ("sawtooth", "ppm", "pgm"),
+        ("kitchen", "png", "png"),
+    ] {
+        let at = |name: &str| root.path().join("middlebury").join(scene).join(name);
+        for view in ["im2", "im6"] {
+            let path = at(&format!("{view}.{image}"));
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            let colour = Image::Rgb8(Plane::filled(SIZE.0, SIZE.1, [9; 3]));
+            write_image(path, &colour).unwrap();
+        }
+        for truth in [format!("disp2.{truth}"), format!("disp6.{truth}")] {
+            grey8(&at(&truth), 16);
+        }
+    }
+    let cases = dataset::open(root.path()).unwrap();
+    for (scene, disparity, purpose) in [
+        ("cones", 4.0, Purpose::Test),
+        ("TeddyH", 8.0, Purpose::Test),
+        ("sawtooth", 2.0, Purpose::Tuning),
+    ] {
+        let case = case(&cases, &format!("middlebury/{scene}"));
+        let data = case.load().unwrap();
+        assert_eq!(
+            (data.truth.unwrap().samples()[0], case.purpose),
+            (disparity, purpose),
+            "{scene}"
+        );
+    }
+    let other = case(&cases, "middlebury/kitchen");
+    assert!(!other.has_truth() && other.files().unwrap().unscaled.is_some());
+}
+
+#[test]
+fn both_years_of_kitti_may_lie_in_one_folder() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |path: &str| root.path().join("training").join(path).join("000000_10.png");
+    for view in ["image_0", "image_1", "image_2", "image_3"] {
+        grey8(&at(view), 9);
+    }
+    grey16(&at("disp_occ_0"), 1024);
+    let cases = dataset::open(root.path()).unwrap();
+    let ids: Vec<_> = cases.iter().map(|case| (case.id.as_str(), case.has_truth())).collect();
+    assert_eq!(ids, [("2012/000000", false), ("2015/000000", true)]);
+    grey16(&at("disp_noc"), 512);
+    let cases = dataset::open(root.path()).unwrap();
+    let truth = |id| case(&cases, id).load().unwrap().truth.unwrap().samples()[0];
+    assert_eq!((truth("2012/000000"), truth("2015/000000")), (2.0, 4.0));
+}
+
+#[test]
+fn the_truth_of_eth3d_may_lie_beside_its_scenes() {
+    let root = tempfile::tempdir().unwrap();
+    let scenes = root.path().join("two_view_training");
+    for image in ["im0.png", "im1.png"] {
+        grey8(&scenes.join("delivery").join(image), 9);
+    }
+    let truth = root.path().join("two_view_training_gt/delivery");
+    grey8(&truth.join("mask0nocc.png"), 255);
+    write_disparity(truth.join("disp0GT.pfm"), &Plane::filled(SIZE.0, SIZE.1, 3.5f32)).unwrap();
+    for root in [root.path(), &scenes] {
+        let data = case(&dataset::open(root).unwrap(), "delivery").load().unwrap();
+        assert_eq!((data.truth.unwrap().samples()[0], data.regions[0].name), (3.5, "non-occluded"));
+    }
 }
 
 #[test]

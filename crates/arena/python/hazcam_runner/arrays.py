@@ -45,7 +45,7 @@ def disparity(answer, shape):
                 kind(answer)
             )
         )
-    if answer.dtype.kind not in "biuf":
+    if answer.dtype.kind not in "iuf":
         raise BadAnswer(
             "the function returned an array of {}, but an array of real numbers is needed".format(
                 answer.dtype

@@ -180,10 +180,16 @@ def _identify(folder):
         return None, "secret_id() returned {}, but a string (str) is needed".format(
             arrays.kind(identifier)
         )
-    if not SHORTEST <= len(identifier) <= LONGEST or not identifier.isprintable():
+    unseen = [i for i, character in enumerate(identifier) if not character.isprintable()]
+    if not SHORTEST <= len(identifier) <= LONGEST or unseen:
+        which = ""
+        if unseen:
+            which = "; character {}, U+{:04X}, is not printable".format(
+                unseen[0] + 1, ord(identifier[unseen[0]])
+            )
         return None, (
             "secret_id() returned {!r} ({} characters), but {} to {} printable characters are "
-            "needed".format(identifier[:40], len(identifier), SHORTEST, LONGEST)
+            "needed{}".format(identifier[:40], len(identifier), SHORTEST, LONGEST, which)
         )
     # The same rule as `is_secret_id`, which takes no other: it must not be dropped without a word.
     if identifier != identifier.strip():

@@ -63,7 +63,7 @@ mod tests {
     fn places_and_reasons_for_none_are_shown() {
         let entries =
             vec![entry("nobody", None, 0.0, 1.0), entry("she & he", Some(1.0), 0.022, 0.5)];
-        let standings = standings(entries, &Holdout::secret().unwrap().test);
+        let standings = standings(entries, &Holdout::secret(600.0).unwrap().test);
         let lines: Vec<String> =
             table(&standings, None).to_text().lines().map(str::to_owned).collect();
         assert!(lines[0].starts_with("place  secret ID   score  E_RMS   p_bad  CPU s  points"));

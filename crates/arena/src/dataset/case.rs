@@ -90,6 +90,8 @@ pub struct Files {
     pub truth_right: Option<TruthFile>,
     /// True disparities of the left image, only of pixels that both cameras see.
     pub truth_noc: Option<TruthFile>,
+    /// Integers that are true disparities of the left image at a scale that nothing tells: they are not read.
+    pub unscaled: Option<PathBuf>,
     /// Which pixels both cameras see.
     pub mask_nocc: Option<PathBuf>,
     /// The box to answer and score.
@@ -101,10 +103,10 @@ pub struct Files {
 impl Files {
     /// Every one of them.
     pub fn all(&self) -> impl Iterator<Item = &Path> {
-        let Self { left, right, truth, truth_right, truth_noc, mask_nocc, bounds, calibration } =
-            self;
+        let Self { left, right, truth, truth_right, truth_noc, .. } = self;
+        let Self { unscaled, mask_nocc, bounds, calibration, .. } = self;
         let truths = [truth, truth_right, truth_noc].into_iter().flatten().map(|truth| &truth.path);
-        let others = [mask_nocc, bounds, calibration].into_iter().flatten();
+        let others = [unscaled, mask_nocc, bounds, calibration].into_iter().flatten();
         [left, right].into_iter().chain(truths).chain(others).map(PathBuf::as_path)
     }
 }
@@ -254,13 +256,14 @@ mod tests {
             truth: truth("truth"),
             truth_right: truth("truth-right"),
             truth_noc: truth("truth-noc"),
+            unscaled: Some("unscaled".into()),
             mask_nocc: Some("mask".into()),
             bounds: Some("box".into()),
             calibration: Some("calibration".into()),
         };
         let names: Vec<_> = files.all().map(|path| path.display().to_string()).collect();
-        let expected =
-            ["left", "right", "truth", "truth-right", "truth-noc", "mask", "box", "calibration"];
+        let truths = ["truth", "truth-right", "truth-noc", "unscaled"];
+        let expected = [&["left", "right"][..], &truths, &["mask", "box", "calibration"]].concat();
         assert_eq!(names, expected);
         assert_eq!(Files::default().all().count(), 2);
     }

@@ -116,6 +116,7 @@ fn case(root: &Path, entry: Entry) -> Result<Case, String> {
         truth,
         truth_right,
         truth_noc,
+        unscaled: None,
         mask_nocc: entry.mask_nocc.map(|path| root.join(path)),
         bounds: entry.bounds.map(|path| root.join(path)),
         calibration: entry.calib.map(|path| root.join(path)),

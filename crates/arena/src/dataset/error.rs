@@ -18,8 +18,10 @@ pub enum DatasetError {
     },
     /// The folder holds nothing that looks like a scene.
     #[error(
-        "no scene was found in {}: neither a scenes.json nor one of the known layouts (Middlebury, \
-         ETH3D, KITTI, the course's); links to folders are not followed",
+        "no scene was found in {}: neither a scenes.json nor one of the known layouts, which are \
+         SCENE/im2 and im6 (Middlebury 2001, 2003), SCENE/view1.png and view5.png (2005, 2006), \
+         SCENE/im0.png and im1.png (2014, ETH3D), image_0 and image_1 or image_2 and image_3 (KITTI), \
+         the course's, left.png and right.png; links to folders are not followed",
         path.display()
     )]
     NoScenes {

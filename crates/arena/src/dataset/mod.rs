@@ -7,9 +7,10 @@
 //! | layout | files | truth | id |
 //! | --- | --- | --- | --- |
 //! | the course's hand-out | `images/SCENE/SCENE_image_02.png`, `_06`, `data/*_bounds.npy` | `_disp_02.png`, value / 4 | `course/SCENE` |
-//! | Middlebury 2005, 2006 | `ThirdSize/SCENE/view1.png`, `view5.png` | `disp1.png`, value / 3, / 2, / 1 by size | `FOLDER/SCENE` |
-//! | MiddEval3, Middlebury 2014, ETH3D | `SCENE/im0.png`, `im1.png`, `calib.txt` | `disp0GT.pfm` or `disp0.pfm`, `mask0nocc.png` | `FOLDER/SCENE` |
-//! | KITTI 2012, 2015 | `image_0` and `image_1`, `colored_0` and `_1`, or `image_2` and `image_3` | `disp_occ*`, `disp_noc*`, value / 256 | `FOLDER/FRAME` |
+//! | Middlebury 2001, 2003 | `SCENE/im2`, `im6`, .png or .ppm | `disp2`, .png or .pgm, value / 8, / 4, / 2, / 1 by the scene's name | `FOLDER/SCENE` |
+//! | Middlebury 2005, 2006 | `ThirdSize/SCENE/view1.png`, `view5.png`, other exposures in `Illum*/Exp*` below | `disp1.png`, value / 3, / 2, / 1 by size | `FOLDER/SCENE` |
+//! | MiddEval3, Middlebury 2014, ETH3D | `SCENE/im0.png`, `im1.png`, `calib.txt` | `disp0GT.pfm` or `disp0.pfm`, `mask0nocc.png`, there or in `FOLDER_gt/SCENE` | `FOLDER/SCENE` |
+//! | KITTI 2012, 2015 | `image_0` and `image_1`, `colored_0` and `_1`, or `image_2` and `image_3` | `disp_occ*`, `disp_noc*`, value / 256 | `FOLDER/FRAME`; `FOLDER/YEAR/FRAME` where both years lie in one |
 //! | a pair | `left.png`, `right.png` or `NAMEl.png`, `NAMEr.png` | none | `FOLDER/NAME` |
 //!
 //! Rendered scenes come as [`Case::rendered`].

@@ -122,8 +122,8 @@ fn clip(disparity: &mut Plane<f32>, scene: &Scene, max: f32) -> Result<usize, St
     }
     match first {
         Some((x, y)) => Err(format!(
-            "{broken} pixels of the box are no finite numbers (NaN, infinite or masked), the first in column {x}, \
-             row {y}; give every pixel of the box a disparity from 0 to {max}"
+            "{broken} pixels of the box that are scored, as their truth is known, are no finite numbers (NaN, infinite \
+             or masked), the first in column {x}, row {y}; give every pixel of the box a disparity from 0 to {max}"
         )),
         None => Ok(clipped),
     }
@@ -169,7 +169,7 @@ mod tests {
         let failure = scored(vec![1.0, nan, 0.0, 0.0, 3.0, 0.0, f32::INFINITY, 0.0]).unwrap_err();
         assert_eq!(failure.outcome, Outcome::Bad);
         let message = failure.message;
-        assert!(message.starts_with("2 pixels of the box are no finite numbers"), "{message}");
+        assert!(message.starts_with("2 pixels of the box that are scored"), "{message}");
         assert!(message.contains("masked), the first in column 1, row 0;"), "{message}");
     }
 

@@ -135,6 +135,7 @@ mod tests {
             truth: truth("truth.pfm"),
             truth_right: truth("truth-right.pfm"),
             truth_noc: truth("noc.png"),
+            unscaled: None,
             mask_nocc: Some("mask.png".into()),
             bounds: Some("box.npy".into()),
             calibration: Some("calib.txt".into()),

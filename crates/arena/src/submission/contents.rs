@@ -224,6 +224,20 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
 const NOTEBOOK: &str = ".ipynb";
 const EXPORT: &str = "a notebook is no Python file, export it (`jupyter nbconvert --to script`, or File > Save as .py)";
 
+/// The folder below `root`, and relative to it, in which a file lies that is not where it should be.
+fn elsewhere(root: &Path, file: &str) -> Option<PathBuf> {
+    let mut folders = vec![root.to_owned()];
+    while let Some(folder) = folders.pop() {
+        if folder.join(file).is_file() {
+            return folder.strip_prefix(root).ok().map(Path::to_owned);
+        }
+        let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
+        let below = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+        folders.extend(below.map(|entry| entry.path()));
+    }
+    None
+}
+
 /// A finding for each of the course's files that is not there.
 pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
     let names: Vec<String> = fs::read_dir(root)
@@ -242,6 +256,9 @@ pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
         let instead = match alike {
             Some(name) if name.ends_with(NOTEBOOK) => format!("; there is `{name}`: {EXPORT}"),
             Some(name) => format!("; there is `{name}`: rename it"),
+            None if let Some(place) = elsewhere(root, file) => {
+                format!("; there is one in `{}`: put all files into one folder", place.display())
+            }
             None if file == "secret_id.py" => {
                 "; it defines secret_id(), which returns the name for the leaderboard, 4 to 32 \
                  printable characters with no space at an end"

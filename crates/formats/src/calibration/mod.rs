@@ -287,7 +287,7 @@ impl<'a> Entries<'a> {
         let mut size = [None; 2];
         for (size, (name, stated)) in size.iter_mut().zip(names.into_iter().zip(stated)) {
             let Some(number) = stated else { continue };
-            if !(number >= 1.0 && number < 1e9 && number.fract() == 0.0) {
+            if !((1.0..1e9).contains(&number) && number.fract() == 0.0) {
                 let problem = format!(
                     "`{name}` is {number}, but must be a whole number of pixels, 1 or more"
                 );

@@ -116,7 +116,7 @@ mod tests {
             P: [700.0, 0.0, 320.5, -84.0, 0.0, 700.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0]\nbinning_x: 0\n---\n";
         let two = "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nd:\n- -0.1\np:\n- 700.0\n- 0.0\n- 320.5\n\
             - -84.0\n- 0.0\n- 700.0\n- 240.0\n- 0.0\n- 0.0\n- 0.0\n- 1.0\n- 0.0\n---\n";
-        for text in [one.to_owned(), two.to_owned(), one.repeat(1) + "height: 480\n"] {
+        for text in [one.to_owned(), two.to_owned(), one.to_owned() + "height: 480\n"] {
             assert_eq!(read(&text).unwrap(), read(SAMPLE).unwrap(), "{text}");
         }
         refused(

@@ -44,7 +44,11 @@ const MISTAKES: &[(&str, &str, &[&str])] = &[
     (
         "def NAME(Il, Ir, bbox, maxd):\n    return Il * float('nan')\n",
         "BAD",
-        &["19200 pixels of the box are no finite numbers", "column 0, row 0", "from 0 to 12"],
+        &[
+            "19200 pixels of the box that are scored, as their truth is known, are no finite numbers",
+            "column 0, row 0",
+            "from 0 to 12",
+        ],
     ),
     (
         "def NAME(Il, Ir, bbox):\n    return Il\n",
@@ -172,6 +176,10 @@ fn a_missing_or_useless_secret_id_costs_no_points() {
             "' abcd', which begins or ends with a space",
         ),
         (Some("def secret_id():\n    return 'abcd '\n"), "with no space at an end"),
+        (
+            Some("def secret_id():\n    return 'rover\\u200dfan'\n"),
+            "characters are needed; character 6, U+200D, is not printable",
+        ),
         (Some("def secret_id():\n    return '=A1+A2'\n"), "= + - @ cannot come first"),
         (Some("def secret_id():\n    return '\\u3164' * 5\n"), "which would not look on the board"),
         (Some("def secret_id():\n    return 'abc' + '\\u0301' * 3\n"), "at most two accents"),
@@ -246,4 +254,24 @@ fn files_of_the_wrong_name_are_found() {
     let report = classroom.grade(&folder, &[]);
     report.expect("RE", &["the file is missing; there is `Stereo_disparity_fast (1).py`: rename"]);
     report.expect_part_2_to_pass();
+}
+
+#[test]
+fn files_in_another_folder_are_found() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let folder = classroom.submission("scattered", HONEST);
+    let below = folder.join("part1/code");
+    fs::create_dir_all(&below).unwrap();
+    let name = "stereo_disparity_fast.py";
+    fs::rename(folder.join(name), below.join(name)).unwrap();
+    let report = classroom.grade(&folder, &[]);
+    report.expect("RE", &["the file is missing; there is one in `part1/code`: put all files"]);
+    report.expect_part_2_to_pass();
+}
+
+#[test]
+fn truth_values_are_no_disparities() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let report = classroom.grade_source(&HONEST.replace("return Id", "return Id > 3"));
+    report.expect("BAD", &["an array of bool, but an array of real numbers is needed"]);
 }

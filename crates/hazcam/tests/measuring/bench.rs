@@ -35,6 +35,26 @@ fn without_data_one_line_says_where_it_looked_and_how_to_get_some() {
 }
 
 #[test]
+fn scenes_whose_truth_has_no_scale_are_said_to_be_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let grey = Image::Grey8(Plane::filled(20, 20, 9));
+    let scene = folder.path().join("data/Art");
+    fs::create_dir_all(&scene).unwrap();
+    for name in ["view1.png", "view5.png", "disp1.png"] {
+        formats::write_image(scene.join(name), &grey).unwrap();
+    }
+    let arguments = ["bench", "-m", "fast", "--data", "data"];
+    let (_, stderr) = run(folder.path(), &arguments, 2);
+    for words in ["Art without truth", "Art/disp1.png is truth times a number", "ThirdSize"] {
+        assert!(stderr.contains(words), "{stderr}");
+    }
+    data(folder.path());
+    let (stdout, stderr) = run(folder.path(), &arguments, 0);
+    assert!(stdout.contains("walls/near") && !stdout.contains("Art"), "{stdout}");
+    assert!(stderr.contains("left out of data: Art without truth"), "{stderr}");
+}
+
+#[test]
 fn scenes_on_disk_are_found_matched_and_scored() {
     let folder = tempfile::tempdir().unwrap();
     data(folder.path());
@@ -72,7 +92,7 @@ fn anybodys_engine_takes_part_and_its_crash_is_a_row() {
     // Who calls for one by its name wants its answers.
     let (_, stderr) = run(folder.path(), &[&arguments[..], &["crash,shy"]].concat(), 2);
     for name in ["crash", "shy"] {
-        let words = format!("{name} was asked for and has given no answer at all");
+        let words = format!("{name} was asked for and has given no answer that counts");
         assert!(stderr.contains(&words), "{stderr}");
     }
 }
@@ -149,7 +169,7 @@ fn figures_are_held_to_a_file_of_limits() {
         let arguments = "bench --data data -m fast --limits limits.toml";
         run(folder.path(), &arguments.split(' ').collect::<Vec<_>>(), status)
     };
-    run_with("[fast.'walls/near']\np_bad = 0.2\nD1 = 0.2", 0);
+    run_with("[fast.'walls/near']\np_bad = 0.2\nD1 = '20%'", 0);
     // Everything is estimated a pixel too far: a bias counts by its size.
     let truth = Plane::filled(80, 40, 7f32);
     formats::write_disparity(folder.path().join("data/walls/near/disp0GT.pfm"), &truth).unwrap();
@@ -164,6 +184,9 @@ fn figures_are_held_to_a_file_of_limits() {
         ("[fast.'walls/near']\ndensity = 0.5", "`density` is no measure"),
         ("[fast.'walls/near']\navgerr = -1", "`-1` is no threshold: give a number, 0 or more"),
         ("p_bad = 0.2", "limits.toml holds no limits: they look like"),
+        ("", "limits.toml holds no limits: with none, every run would pass"),
+        ("[fast.\"walls/near\"]", "with none, every run would pass"),
+        ("[fast.\"walls/near\"]\np_bad = 5", "in a file \"5%\""),
         ("[fast.'plain/wall']\nbad2 = 5", "bad2 is a share, and `5` is more than all"),
     ] {
         let (_, stderr) = run_with(limits, 2);

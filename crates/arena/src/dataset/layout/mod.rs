@@ -44,6 +44,11 @@ impl Folder {
         self.name.rsplit('/').next().unwrap_or_default()
     }
 
+    /// The name of the folder above it.
+    fn above(&self) -> &str {
+        self.name.rsplit('/').nth(1).unwrap_or_default()
+    }
+
     /// An id: the folder's name, without the parts that only say what lies below.
     fn id(&self, scene: Option<&str>) -> String {
         let parts = self.name.split('/').chain(scene);

@@ -100,7 +100,7 @@ pub fn tell_silent<'a>(
         if problems.iter().all(Option::is_some) {
             let why = problems.first().copied().flatten();
             let why = why.map(|why| format!(": {}", printable(why))).unwrap_or_default();
-            ui.fail(format_args!("{name} was asked for and has given no answer at all{why}"));
+            ui.fail(format_args!("{name} was asked for and has given no answer that counts{why}"));
             all_answered = false;
         }
     }

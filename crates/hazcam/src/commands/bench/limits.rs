@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! [fast."course/cones"]    # matcher, scene
-//! E_RMS = 3.27             # measures as in `hazcam score`, over all pixels; shares from 0 to 1
+//! E_RMS = 3.27             # measures as in `hazcam score`, over all pixels; shares from 0 to 1, or "5%"
 //! p_bad = 0.083
 //! ```
 //! A scene or matcher that a file names and a run lacks is an error: nothing passes unseen.
@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use arena::record::Record;
+use serde::Deserialize;
 
 use crate::commands::score::threshold::Threshold;
 
@@ -22,12 +23,21 @@ pub struct Limits {
     by_engine: BTreeMap<String, BTreeMap<String, Vec<Threshold>>>,
 }
 
+/// A limit as it is written.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Figure {
+    Number(f64),
+    /// In per cent.
+    Text(String),
+}
+
 impl Limits {
     /// Reads a file of limits. Errors when it is none, or names a measure that there is not.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let text =
             fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let numbers: BTreeMap<String, BTreeMap<String, BTreeMap<String, f64>>> =
+        let numbers: BTreeMap<String, BTreeMap<String, BTreeMap<String, Figure>>> =
             toml::from_str(&text).with_context(|| {
                 format!(
                     "{} holds no limits: they look like [fast.\"course/cones\"] with lines like \
@@ -35,8 +45,12 @@ impl Limits {
                     path.display()
                 )
             })?;
-        let threshold = |(measure, value): (String, f64)| {
-            Threshold::new(&measure, value)
+        let threshold = |(measure, value): (String, Figure)| {
+            let threshold = match value {
+                Figure::Number(value) => Threshold::new(&measure, value),
+                Figure::Text(text) => format!("{measure}={text}").parse(),
+            };
+            threshold
                 .map_err(anyhow::Error::msg)
                 .with_context(|| format!("{}: {measure}", path.display()))
         };
@@ -48,6 +62,13 @@ impl Limits {
                     figures.into_iter().map(threshold).collect::<Result<_, _>>()?;
                 scenes_of_engine.insert(scene, figures);
             }
+        }
+        if by_engine.values().flat_map(BTreeMap::values).all(Vec::is_empty) {
+            bail!(
+                "{} holds no limits: with none, every run would pass; write lines like p_bad = 0.083 below \
+                 [fast.\"course/cones\"]",
+                path.display()
+            );
         }
         Ok(Self { path: path.to_owned(), by_engine })
     }

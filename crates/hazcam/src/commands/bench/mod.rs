@@ -138,8 +138,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         true => {
             scenes::matching(rendered::stress(), |case| &case.id, args.scenes.scenes.as_deref())?
         }
-        false if args.ablation => args.scenes.cases(&[Purpose::Tuning])?,
-        false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered])?,
+        false if args.ablation => args.scenes.cases(&[Purpose::Tuning], ui)?,
+        false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered], ui)?,
     };
     if args.reliability && !cases.iter().any(Case::has_truth) {
         bail!(

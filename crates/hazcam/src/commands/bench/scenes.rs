@@ -7,6 +7,7 @@ use arena::dataset::{self, Case, Purpose};
 use glob::Pattern;
 
 use crate::arguments::or_variable;
+use crate::ui::Ui;
 
 /// The scenes that take part.
 #[derive(clap::Args)]
@@ -29,7 +30,7 @@ pub struct SceneArguments {
 
 impl SceneArguments {
     /// The chosen scenes, the course's first. Without `--use`, those of `default`.
-    pub fn cases(&self, default: &[Purpose]) -> anyhow::Result<Vec<Case>> {
+    pub fn cases(&self, default: &[Purpose], ui: &Ui) -> anyhow::Result<Vec<Case>> {
         let Some((folder, mut cases)) = self.on_disk()? else {
             bail!(
                 "there is no data: HAZCAM_DATA is not set and --data is not given; point either at \
@@ -43,7 +44,17 @@ impl SceneArguments {
                 let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;
                 cases.retain(|case| case.purpose == purpose);
             }
-            None => cases.retain(|case| default.contains(&case.purpose) && case.has_truth()),
+            None => {
+                cases.retain(|case| default.contains(&case.purpose));
+                let (with, without): (Vec<_>, Vec<_>) =
+                    cases.into_iter().partition(Case::has_truth);
+                match without_truth(&without) {
+                    Some(said) if with.is_empty() => bail!("{}: {said}", folder.display()),
+                    Some(said) => ui.note(format_args!("left out of {}: {said}", folder.display())),
+                    None => {}
+                }
+                cases = with;
+            }
         }
         if cases.is_empty() && self.purpose.is_none() {
             bail!(
@@ -70,6 +81,24 @@ impl SceneArguments {
         let cases = dataset::open(&folder).with_context(|| said_by)?;
         Ok(Some((folder, cases)))
     }
+}
+
+/// What to say of scenes that have no truth.
+fn without_truth(cases: &[Case]) -> Option<String> {
+    let unscaled = cases.iter().find_map(|case| case.files()?.unscaled.as_deref());
+    let first = cases.first()?;
+    let others = match cases.len() - 1 {
+        0 => String::new(),
+        others => format!(" and {others} more"),
+    };
+    let why = unscaled.map_or_else(String::new, |path| {
+        format!(
+            "; {} is truth times a number that neither its folder nor its scene tells: put scenes of Middlebury 2005 \
+             and 2006 below a folder ThirdSize, HalfSize or FullSize",
+            path.display()
+        )
+    });
+    Some(format!("{}{others} without truth{why}; truths can be named in scenes.json", first.id))
 }
 
 /// The scenes whose `id` matches. Errors when none does, naming some that there are.

@@ -24,7 +24,7 @@ use crate::ui::Ui;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Rank: E_RMS and p_bad on the hold-out, each divided by its threshold of Part 2 (5 px, 0.11), and the
-mean of the two; lower wins, ties go to less CPU time. The first three get 5, 3 and 2 points on top
+mean of the two; lower wins, ties go to the earlier entry. The first three get 5, 3 and 2 points on top
 of the 50 of the tests.
 
 Examples:

@@ -54,7 +54,7 @@ impl Threshold {
         // It would never be exceeded.
         if value > 1.0 && measure.unit == Unit::Share {
             return Err(format!(
-                "{} is a share, and `{said}` is more than all: give 0 to 1, or per cent as 5%",
+                "{} is a share, and `{said}` is more than all: give 0 to 1, or per cent as 5% (in a file \"5%\")",
                 measure.name
             ));
         }
