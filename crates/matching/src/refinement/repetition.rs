@@ -2,7 +2,8 @@
 //! as well as the pixel itself does, in both views, and semi-global paths keep to the period that they began with: their
 //! margin knows nothing of the others. So it is not believed there.
 //!
-//! A window `W` of 16 x 16 pixels, of which every second one in every fourth row counts, is compared with what lies `t` columns beside it:
+//! A window `W` of 16 x 16 pixels, of which every second one in every fourth row counts, is compared with what lies `t`
+//! columns beside it:
 //!
 //! ```text
 //! A(t) = sum over W of min(|L(x + t, y) - L(x, y)|, 63)
