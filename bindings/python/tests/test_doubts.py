@@ -79,6 +79,11 @@ def test_pictures_are_doubted_once():
     )
     assert less_sharp in told(lambda: matcher.compute(left, soft))
     assert less_sharp not in told(lambda: matcher.compute(left, soft))
+    # A first frame that shows nothing is not all that is looked at.
+    matcher = hazcam.Matcher("balanced", 24)
+    black = np.zeros_like(left)
+    assert told(lambda: matcher.compute(black, black))
+    assert less_sharp in told(lambda: matcher.compute(left, soft))
 
 
 def test_the_course_function_doubts_too():

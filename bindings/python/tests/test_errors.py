@@ -425,6 +425,10 @@ TYPES = [
         lambda: for_course(maxd=4.0),
         f"`maxd` is 4.0, but {COURSE_PIXELS}",
     ),
+    (
+        lambda: for_course(maxd=True),
+        f"`maxd` is True, but {COURSE_PIXELS}",
+    ),
 ]
 
 

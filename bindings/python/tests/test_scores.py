@@ -21,7 +21,9 @@ def test_by_hand():
     assert scores.measures["bias"] == pytest.approx(1.75)
     # Exactly 3 pixels off is no outlier; the hole is filled from its left.
     assert (scores.measures["D1-est"], scores.measures["D1"]) == (0, pytest.approx(1 / 3))
-    assert len(scores.measures) == 25
+    assert len(scores.measures) == 29
+    # Off by 3 px, and the hole, which is filled from its left, by 10.
+    assert [scores.measures[f"Out{t}"] for t in (2, 3)] == [pytest.approx(2 / 3), pytest.approx(1 / 3)]
     assert "3 pixels with known truth in the whole image" in scores.protocols["avgerr"]
 
 
