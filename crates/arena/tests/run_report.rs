@@ -288,6 +288,25 @@ fn repetitions_show_whether_answers_repeat() {
 }
 
 #[test]
+fn a_run_that_fails_after_others_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = Plan {
+        cases: vec![case("a/one", 1)],
+        ..plan(vec![engine(folder.path(), "once", "exit 0")], 3)
+    };
+    let message = |records: &[Record]| records[0].status.message().unwrap().to_owned();
+    assert!(message(&outcome(&plan).records).starts_with("it exited with status 0"));
+    let script =
+        format!("[ $i = 1 ] || exit 0; cp {}/answer.npy disparity.npy", folder.path().display());
+    npy::write(folder.path().join("answer.npy"), &Plane::filled(4, 1, 10f32)).unwrap();
+    let plan = Plan { engines: vec![engine(folder.path(), "later", &script)], ..plan };
+    let records = outcome(&plan).records;
+    assert_eq!(records[0].runs.len(), 2);
+    let expected = "after 1 run with an answer, it exited with status 0 without an answer";
+    assert_eq!(message(&records), expected);
+}
+
+#[test]
 fn an_observer_can_end_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let plan = plan(vec![wrong_at(folder.path(), "mine", [1, 2])], 1);

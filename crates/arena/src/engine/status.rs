@@ -101,6 +101,25 @@ impl Status {
         }
     }
 
+    /// The same of a run that others, which had an answer, came before.
+    pub(crate) fn after_answers(mut self, answers: usize) -> Self {
+        match &mut self {
+            Self::Done => {}
+            Self::Failed { message }
+            | Self::Crashed { message }
+            | Self::Timeout { message }
+            | Self::BadResult { message }
+            | Self::ProtocolError { message }
+            | Self::NotReady { message }
+            | Self::NotAsked { message }
+            | Self::Absent { message } => {
+                let runs = if answers == 1 { "run" } else { "runs" };
+                *message = format!("after {answers} {runs} with an answer, {message}");
+            }
+        }
+        self
+    }
+
     /// Whether the engine takes another job after this.
     pub(crate) fn leaves_engine_ready(&self) -> bool {
         matches!(self, Self::Done | Self::Failed { .. })

@@ -104,6 +104,9 @@ impl Record {
                 Err(error) => status = Status::BadResult { message: error.to_string() },
             }
         }
+        if attempts.len() > 1 {
+            status = status.after_answers(attempts.len() - 1);
+        }
         let mut reasons = BTreeMap::new();
         for reason in
             last.answer.iter().filter_map(|a| a.reasons.as_ref()).flat_map(|r| r.samples())
