@@ -40,6 +40,14 @@ pub enum BoardError {
     /// Somebody else has this name.
     #[error("the secret ID `{0}` is taken: choose another, or rename or remove that entry")]
     Taken(String),
+    /// Somebody else has a name that looks the same.
+    #[error("the secret ID `{id}` looks like `{other}`, which somebody else has: choose another")]
+    Alike {
+        /// The name.
+        id: String,
+        /// That of the other entry.
+        other: String,
+    },
     /// An owner that nobody gave has an entry of another name.
     #[error(
         "no --owner was given, and `{owner}`, taken from the entrant's name, has an entry already, \

@@ -18,7 +18,7 @@ use super::error::BoardError;
 use super::holdout::Holdout;
 use super::picture::{Picture, SceneTruth};
 use super::schema::{self, Kind, VERSION};
-use crate::submission::{folded, is_secret_id};
+use crate::submission::{folded, is_secret_id, look_alike};
 
 /// How long a writer waits for others.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -317,6 +317,16 @@ fn earlier(
     let holder = ask("SELECT owner FROM entry WHERE folded = ?", &key)?;
     if holder.is_some_and(|holder| holder != owner.name()) {
         return Err(BoardError::Taken(id.to_owned()));
+    }
+    let mut others = connection
+        .prepare("SELECT secret_id FROM entry WHERE owner != ?")
+        .map_err(|source| failure(path, source))?;
+    let others = others.query_map([owner.name()], |row| row.get::<_, String>(0));
+    for other in others.map_err(|source| failure(path, source))? {
+        let other = other.map_err(|source| failure(path, source))?;
+        if look_alike(&other, id) {
+            return Err(BoardError::Alike { id: id.to_owned(), other });
+        }
     }
     let before = ask("SELECT secret_id FROM entry WHERE owner = ?", owner.name())?;
     match (owner, before) {

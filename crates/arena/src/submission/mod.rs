@@ -23,8 +23,8 @@ pub use error::SubmissionError;
 pub use finding::Finding;
 pub use python::Python;
 pub use runner::{Inspection, Runner};
-pub(crate) use secret_id::folded;
 pub use secret_id::is_secret_id;
+pub(crate) use secret_id::{folded, look_alike};
 
 /// One of the two parts of the course's assignment.
 #[derive(

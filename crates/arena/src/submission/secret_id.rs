@@ -3,6 +3,7 @@
 
 use unicode_normalization::UnicodeNormalization;
 use unicode_normalization::char::is_combining_mark;
+use unicode_security::skeleton;
 
 /// Accents that may follow one another.
 const MOST_MARKS: usize = 2;
@@ -35,6 +36,12 @@ fn is_unseen(c: char) -> bool {
 pub(crate) fn folded(secret_id: &str) -> String {
     let lower: String = secret_id.nfkc().flat_map(char::to_lowercase).nfkc().collect();
     lower.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Whether nobody could tell two names apart that are written with other letters: a Cyrillic o, a one for an l (Unicode
+/// Technical Standard 39, confusables).
+pub(crate) fn look_alike(one: &str, other: &str) -> bool {
+    skeleton(&folded(one)).eq(skeleton(&folded(other)))
 }
 
 #[cfg(test)]
@@ -101,6 +108,12 @@ mod tests {
             assert_eq!(folded(one), folded(other), "{one:?}");
         }
         assert_ne!(folded("José"), folded("Jose"));
+        for other in ["R\u{43e}ver Fan 1", "rover f\u{430}n l", "Rover Fan 1"] {
+            assert!(look_alike("Rover Fan 1", other), "{other:?}");
+        }
+        for other in ["Rover Fan 2", "Rover Fun 1", "R\u{f6}ver Fan 1"] {
+            assert!(!look_alike("Rover Fan 1", other), "{other:?}");
+        }
         assert_eq!(folded("Plain Name-1"), "plain name-1");
     }
 }

@@ -112,6 +112,10 @@ fn entrants_are_ranked_renamed_and_removed() {
     let (status, stdout, stderr) = course.run(&with(&["--matcher", "fast", "--secret-id", "zwei"]));
     assert_eq!((status, stdout.as_str()), (2, ""), "refused before the work");
     assert!(stderr.contains("the secret ID `zwei` is taken"), "{stderr}");
+    let alike = with(&["--matcher", "fast", "--secret-id", "Zw\u{435}i"]);
+    let (status, stdout, stderr) = course.run(&alike);
+    assert_eq!((status, stdout.as_str()), (2, ""), "refused before the work");
+    assert!(stderr.contains("looks like `Zwei`, which somebody else has"), "{stderr}");
     let text = course.done(&with(&["--matcher", "fast", "--owner", "him", "--secret-id", "Drei"]));
     assert!(text.contains("in the place of the earlier entry `Zwei` of him"), "{text}");
     course.done(&["rename", "Drei", "Four"]);
