@@ -9,15 +9,15 @@
 //! ```text
 //! score = (E_RMS / max_e_rms + p_bad / max_p_bad) / 2
 //! ```
-//! so 1 is just at both thresholds, and lower is better. Ties go to less CPU time on the hold-out,
-//! then to the earlier entry. Who has no answer there is listed last and has no place.
+//! so 1 is just at both thresholds, and lower is better. Ties go to the earlier entry.
+//! Who has no answer there is listed last and has no place.
 //!
 //! **Bonus.** The first three get 5, 3 and 2 points on top of those of the tests: 55 at most.
 //! Baselines are shown where they would stand, and take neither a place nor a bonus.
 //!
 //! **Names.** Everybody is known by a secret ID. An owner (a student's number, say; on no page)
 //! has one entry: a later one takes its place, whatever its ID; where the owner was only guessed from
-//! a file's name, one with the same ID ([`Owner`]). An ID that somebody else has is refused.
+//! a file's name, one with the same ID ([`Owner`]). An ID that somebody else has, or that looks like it, is refused.
 //!
 //! **Tests.** All points are for the same tests on the same scenes ([`tests_fingerprint`]); others are refused.
 

@@ -20,8 +20,8 @@ pub(super) fn section(page: &BoardPage<'_>) -> String {
          <h3>Rank</h3>\n<p>Everybody is ranked on a hold-out that entrants do not have: {}.{reveals} \
          E<sub>RMS</sub> and p<sub>bad</sub> weigh equally:</p>\n\
          <p class=\"formula\">score = ( E<sub>RMS</sub> / {} px + p<sub>bad</sub> / {} ) / 2</p>\n\
-         <p>A score of 1 is just at both thresholds; lower is better. Ties go to less CPU time there, \
-         then to the earlier entry. The first three get {bonus} points on top of those of \
+         <p>A score of 1 is just at both thresholds; lower is better. Ties go to the earlier \
+         entry. The first three get {bonus} points on top of those of \
          the tests. Baselines, marked b, take neither place nor bonus.</p>\n\
          <h3>Points</h3>\n<p>{}</p>\n{tests}\
          <h3>Numbers</h3>\n<p>E<sub>RMS</sub> is the root mean square of the disparity error in \
