@@ -136,6 +136,12 @@ impl FormatError {
         file_of!(self).map(PathBuf::as_path)
     }
 
+    /// Nothing is written of what has no pixels; `subject` is that with its verb.
+    pub(crate) fn no_pixels(path: &Path, subject: &str) -> Self {
+        let problem = format!("{subject} no pixels: at least 1 x 1 is needed");
+        Self::Write { path: path.to_owned(), problem, source: None }
+    }
+
     /// The same error about another file: the one that was meant, where a passing one was written.
     pub(crate) fn about(mut self, file: &Path) -> Self {
         if let Some(path) = file_of!(&mut self) {

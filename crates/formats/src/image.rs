@@ -68,7 +68,7 @@ pub(crate) fn decode(source: &Source, container: Container) -> Result<Decoded, F
 pub fn write_image(path: impl AsRef<Path>, image: &Image) -> Result<(), FormatError> {
     let path = path.as_ref();
     if image.columns() == 0 || image.rows() == 0 {
-        return Err(unfit(path, "the picture has no pixels: at least 1 x 1 is needed"));
+        return Err(FormatError::no_pixels(path, "the picture has"));
     }
     let grey = !image.is_coloured();
     match extension(path).as_deref() {

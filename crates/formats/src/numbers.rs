@@ -25,8 +25,7 @@ impl Numbers {
     /// Writes a map, its format by extension, whole or not at all.
     pub fn write(&self, path: &Path, values: &Plane<f32>) -> Result<(), FormatError> {
         if values.samples().is_empty() {
-            let problem = "the map has no pixels: at least 1 x 1 is needed".to_owned();
-            return Err(FormatError::Write { path: path.to_owned(), problem, source: None });
+            return Err(FormatError::no_pixels(path, "the map has"));
         }
         refuse(path, values, |v| v.is_infinite(), self.finite)?;
         match image::extension(path).as_deref() {

@@ -180,12 +180,12 @@ def _identify(folder):
         return None, "secret_id() returned {}, but a string (str) is needed".format(
             arrays.kind(identifier)
         )
-    unseen = [i for i, character in enumerate(identifier) if not character.isprintable()]
-    if not SHORTEST <= len(identifier) <= LONGEST or unseen:
+    unseen = next((i for i, each in enumerate(identifier) if not each.isprintable()), None)
+    if not SHORTEST <= len(identifier) <= LONGEST or unseen is not None:
         which = ""
-        if unseen:
+        if unseen is not None:
             which = "; character {}, U+{:04X}, is not printable".format(
-                unseen[0] + 1, ord(identifier[unseen[0]])
+                unseen + 1, ord(identifier[unseen])
             )
         return None, (
             "secret_id() returned {!r} ({} characters), but {} to {} printable characters are "

@@ -70,6 +70,23 @@ pub enum Status {
     },
 }
 
+/// The message of a status, borrowed as the status is.
+macro_rules! message_of {
+    ($status:expr) => {
+        match $status {
+            Self::Done => None,
+            Self::Failed { message }
+            | Self::Crashed { message }
+            | Self::Timeout { message }
+            | Self::BadResult { message }
+            | Self::ProtocolError { message }
+            | Self::NotReady { message }
+            | Self::NotAsked { message }
+            | Self::Absent { message } => Some(message),
+        }
+    };
+}
+
 impl Status {
     /// The name used in tables and files.
     pub fn name(&self) -> &'static str {
@@ -88,34 +105,14 @@ impl Status {
 
     /// Why there is no answer; `None` when there is one.
     pub fn message(&self) -> Option<&str> {
-        match self {
-            Self::Done => None,
-            Self::Failed { message }
-            | Self::Crashed { message }
-            | Self::Timeout { message }
-            | Self::BadResult { message }
-            | Self::ProtocolError { message }
-            | Self::NotReady { message }
-            | Self::NotAsked { message }
-            | Self::Absent { message } => Some(message),
-        }
+        message_of!(self).map(String::as_str)
     }
 
     /// The same of a run that others, which had an answer, came before.
     pub(crate) fn after_answers(mut self, answers: usize) -> Self {
-        match &mut self {
-            Self::Done => {}
-            Self::Failed { message }
-            | Self::Crashed { message }
-            | Self::Timeout { message }
-            | Self::BadResult { message }
-            | Self::ProtocolError { message }
-            | Self::NotReady { message }
-            | Self::NotAsked { message }
-            | Self::Absent { message } => {
-                let runs = if answers == 1 { "run" } else { "runs" };
-                *message = format!("after {answers} {runs} with an answer, {message}");
-            }
+        if let Some(message) = message_of!(&mut self) {
+            let runs = if answers == 1 { "run" } else { "runs" };
+            *message = format!("after {answers} {runs} with an answer, {message}");
         }
         self
     }

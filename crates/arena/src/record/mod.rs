@@ -18,7 +18,7 @@ use crate::dataset::{Case, CaseData, Purpose};
 use crate::engine::{Attempt, Status, Usage, Worker};
 
 pub use machine::Machine;
-pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RegionScores, at_least, score};
+pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RANKED_BAD, RegionScores, at_least, score};
 
 /// One engine on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]

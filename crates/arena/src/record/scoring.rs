@@ -9,7 +9,7 @@ use crate::dataset::CaseData;
 use crate::engine::Answer;
 
 /// Errors above this many pixels are what a confidence should rank last.
-const RANKED_BAD: f64 = 2.0;
+pub const RANKED_BAD: f64 = 2.0;
 
 /// How sure a pixel may have to be.
 pub const LEAST_CONFIDENCES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 0.9];

@@ -34,7 +34,7 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     })?;
     let size = size(entries)?;
     let calibration = Calibration::of(CalibrationLayout::Kitti, camera)
-        .sized([0, 1].map(|of| size.map(|size| size[of])));
+        .sized(size.map_or([None; 2], |size| size.map(Some)));
     Ok(Calibration { colour_camera: colour, ..calibration })
 }
 

@@ -151,14 +151,8 @@ pub fn write_calibration(
     range: DisparityRange,
 ) -> Result<(), FormatError> {
     if size.0 == 0 || size.1 == 0 {
-        return Err(FormatError::Write {
-            path: path.as_ref().to_owned(),
-            problem: format!(
-                "images of {} x {} have no pixels: at least 1 x 1 is needed",
-                size.0, size.1
-            ),
-            source: None,
-        });
+        let images = format!("images of {} x {} have", size.0, size.1);
+        return Err(FormatError::no_pixels(path.as_ref(), &images));
     }
     let text = middlebury::text(camera, size, range);
     write_atomically(path, |writer| writer.write_all(text.as_bytes()))

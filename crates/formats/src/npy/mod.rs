@@ -56,14 +56,10 @@ pub fn plane_of_bytes<T: Element>(
 
 /// Writes a plane as `rows x columns` (a colour `T`: `rows x columns x 3`), whole or not at all.
 ///
-/// Errors: [`FormatError::Write`].
+/// Errors: [`FormatError::Write`], also for a plane without pixels.
 pub fn write<T: Element>(path: impl AsRef<Path>, plane: &Plane<T>) -> Result<(), FormatError> {
     if plane.samples().is_empty() {
-        return Err(FormatError::Write {
-            path: path.as_ref().to_owned(),
-            problem: "the plane has no pixels: at least 1 x 1 is needed".to_owned(),
-            source: None,
-        });
+        return Err(FormatError::no_pixels(path.as_ref(), "the plane has"));
     }
     write_atomically(path, |writer| encode(plane, writer))
 }

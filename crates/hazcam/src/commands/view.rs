@@ -136,7 +136,10 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             "without --calibration, or --focal and --baseline, the page shows a relief in pixels",
         ),
     }
-    if let Some(guesses) = map.guesses().filter(|_| confidence.is_none() && reasons.is_none()) {
+    if confidence.is_none()
+        && reasons.is_none()
+        && let Some(guesses) = map.guesses()
+    {
         ui.note(format_args!("{guesses}: --confidence or --reasons shows which"));
     }
     ui.note(format_args!(

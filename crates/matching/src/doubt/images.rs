@@ -72,6 +72,9 @@ pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
 
 /// How many bits the samples of each image of a pair use, where one leaves many of its 16 unused and the other does not.
 fn unequal_bits(left: &Image, right: &Image) -> Option<[u32; 2]> {
+    if left.depth().max(right.depth()) < u16::BITS {
+        return None;
+    }
     let used = |image: &Image| Some((bits_of(image.extremes()?), image.depth()));
     let [(left, of_left), (right, of_right)] = [used(left)?, used(right)?];
     let [unused, of_other] = [of_left.checked_sub(left)?, of_right.checked_sub(right)?];

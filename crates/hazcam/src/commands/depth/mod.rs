@@ -128,7 +128,9 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if let Some(doubt) = counts.doubt(&map.disparities, &camera) {
         ui.warn(doubt);
     }
-    if let Some(guesses) = map.guesses().filter(|_| confidence.is_none()) {
+    if confidence.is_none()
+        && let Some(guesses) = map.guesses()
+    {
         ui.note(format_args!(
             "{guesses}: leave them out by --confidence and --min-confidence, or match with --holes keep",
         ));

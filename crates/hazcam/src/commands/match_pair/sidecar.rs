@@ -13,7 +13,7 @@ use crate::clock::Elapsed;
 use crate::map::sha256;
 
 /// What stands in `OUT.json`.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 pub struct Sidecar {
     /// The version of hazcam.
     hazcam: &'static str,
@@ -21,8 +21,6 @@ pub struct Sidecar {
     right: Input,
     #[serde(serialize_with = "formats::path_as_text")]
     output: PathBuf,
-    /// Of the map that was written; none for what is no file.
-    output_sha256: Option<String>,
     columns: usize,
     rows: usize,
     options: OptionsRecord,
@@ -36,8 +34,17 @@ pub struct Sidecar {
     reasons: BTreeMap<&'static str, f64>,
 }
 
+/// The record of a map that was written.
+#[derive(Serialize)]
+struct OfMap<'a> {
+    #[serde(flatten)]
+    record: &'a Sidecar,
+    /// None for what is no file.
+    output_sha256: Option<String>,
+}
+
 /// In pixels, over the image.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct VerticalRecord {
     root_mean_square: f64,
     largest: f64,
@@ -45,7 +52,7 @@ struct VerticalRecord {
 }
 
 /// The factors of `1`, `x`, `y`, `x y` and `y^2`, as [`VerticalDisparity::coefficients`] has them.
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct Coefficients {
     constant: f64,
     x: f64,
@@ -60,7 +67,7 @@ impl From<[f64; 5]> for Coefficients {
     }
 }
 
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct Input {
     #[serde(serialize_with = "formats::path_as_text")]
     path: PathBuf,
@@ -69,7 +76,7 @@ struct Input {
     sha256: Option<String>,
 }
 
-#[derive(Clone, Serialize)]
+#[derive(Serialize)]
 struct OptionsRecord {
     matcher: &'static str,
     /// How many bits 16-bit samples were said to have; none for all.
@@ -108,7 +115,6 @@ impl Sidecar {
             left: Input::of(left)?,
             right: Input::of(right)?,
             output: outputs.disparity.clone(),
-            output_sha256: None,
             columns: map.values.columns(),
             rows: map.values.rows(),
             options: OptionsRecord {
@@ -137,7 +143,7 @@ impl Sidecar {
 
     /// The record of a map whose file has this SHA-256, as a text.
     pub fn text(&self, output_sha256: Option<String>) -> String {
-        let record = Self { output_sha256, ..self.clone() };
+        let record = OfMap { record: self, output_sha256 };
         // Numbers and texts under names of their own: there is nothing that could fail.
         serde_json::to_string_pretty(&record).expect("a record can be written") + "\n"
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
+use arena::record::RANKED_BAD;
 use formats::{Encoding, ReadDisparity};
 use score::{Evaluation, Pixels, RankedError, Region, sparsification, suspected_scale};
 
@@ -15,9 +16,6 @@ use crate::cli::THRESHOLD_FAILED;
 use crate::ui::Ui;
 use report::{Format, Map, Ranking, Report};
 use threshold::Threshold;
-
-/// A confidence should rank pixels last that are off by more than so many px, as in `hazcam bench`.
-const BAD: f64 = 2.0;
 
 /// Score a disparity map against ground truth
 ///
@@ -153,7 +151,7 @@ fn rank(pixels: &Pixels<'_>, path: &Path) -> anyhow::Result<Ranking> {
     };
     Ok(Ranking {
         path: path.to_owned(),
-        bad: ranked(RankedError::Bad(BAD))?,
+        bad: ranked(RankedError::Bad(RANKED_BAD))?,
         error: ranked(RankedError::EndPoint)?,
     })
 }
