@@ -24,8 +24,12 @@ use crate::profile::Work;
 /// A cell is the middle of its window: windows overlap by half.
 const CELL: usize = 8;
 const ACROSS: usize = 2 * CELL;
-/// So many cells are compared together.
+/// So many cells are compared together, which are windows but one.
 const TOGETHER: usize = 64;
+const WINDOWS: usize = TOGETHER - 1;
+/// At so many periods cells are compared before windows are: what was just written cannot be read at another place for a
+/// while.
+const PERIODS: usize = 8;
 /// Rows of a window and its cell; of these every fourth one counts, of its columns every second one.
 const DOWN: usize = 16;
 const ROWS: usize = 4;
@@ -34,8 +38,18 @@ const SAMPLES: usize = ACROSS / EVERY * ROWS;
 
 /// So many times less than by what other windows differ by.
 const ALIKE: u16 = 4;
-/// Four differences of at most so many grey values are one byte.
-const BOUND: u8 = u8::MAX / ROWS as u8;
+/// The differences of a row of a cell, of at most so many grey values, are one byte.
+const BOUND: u8 = u8::MAX / (CELL / EVERY) as u8;
+/// Which window of some that are compared together it is.
+const PLACES: [u16; TOGETHER] = {
+    let mut places = [0; TOGETHER];
+    let mut i = 0;
+    while i < TOGETHER {
+        places[i] = i as u16;
+        i += 1;
+    }
+    places
+};
 /// Windows that differ by no more than so many grey values a pixel show no texture.
 const TEXTURE: u16 = 4;
 /// How sure a pixel can be. Of the tuning scenes' pixels that repeat, 6 % of those that were sure (.5) are wrong, as are
@@ -51,26 +65,19 @@ pub(crate) struct Repetition {
     all: (usize, usize),
     /// The least period to the right and to the left, [`NEVER`] where there is none.
     periods: [Plane<u16>; 2],
-    workers: Vec<Scratch>,
+    /// Of each thread.
+    workers: Vec<Phases>,
 }
 
-/// The memory of a row of cells.
-#[derive(Default)]
-struct Scratch {
-    phases: Phases,
-    /// What every 8 columns differ by from those beside them.
-    sums: Vec<u16>,
-    /// By what a window may be expected to differ from others, and by what it did at most, to the right and to the left.
-    expected: Vec<u16>,
-    most: [Vec<u16>; 2],
-}
+/// The samples of a column in the rows that count.
+type Column = [u8; ROWS];
 
-/// A few rows of an image, of which every 8th sample lies beside the next: the first ones of all cells, the second ones,
-/// and so on. Sums over the columns of a cell then are sums of vectors.
+/// Columns of an image, of which every 8th lies beside the next: the first ones of all cells, the second ones, and so on.
+/// Sums over the columns of a cell then are sums of vectors.
 #[derive(Default)]
 struct Phases {
-    samples: Vec<u8>,
-    /// Samples of a row and phase, and how many lie before the first one of the image.
+    columns: Vec<Column>,
+    /// Columns of a phase, and how many lie before the first one of the image.
     stride: usize,
     margin: usize,
 }
@@ -101,8 +108,8 @@ impl Repetition {
     pub fn bytes(width: usize, part: BoundingBox, range: DisparityRange) -> usize {
         let reach = range.count() - 1;
         let (across, down) = (part.columns().div_ceil(CELL) + 1, part.rows().div_ceil(DOWN) + 1);
-        let row = 4 * size_of::<u16>() * (across + TOGETHER) + Phases::bytes(width, reach);
-        2 * size_of::<u16>() * across * down + rayon::current_num_threads() * row
+        let phases = rayon::current_num_threads() * Phases::bytes(width, reach);
+        2 * size_of::<u16>() * across * down + phases
     }
 
     /// Looks for periods in a part of the left image, such as let one mistake disparities of the range that is searched,
@@ -126,20 +133,19 @@ impl Repetition {
         let (columns, rows) = (across.len(), down.len());
         self.periods.iter_mut().for_each(|periods| periods.reset(columns, rows, NEVER));
         let (threads, reach) = (rayon::current_num_threads(), range.count() - 1);
-        self.workers.resize_with(threads, Scratch::default);
+        self.workers.resize_with(threads, Phases::default);
         let share = rows.div_ceil(threads);
         let [right, left_hand] = self
             .periods
             .each_mut()
             .map(|periods| periods.samples_mut().par_chunks_mut(share * columns));
         let parts = right.zip(left_hand).zip(&mut self.workers).enumerate();
-        parts.for_each(|(i, ((right, left_hand), scratch))| {
+        parts.for_each(|(i, ((right, left_hand), phases))| {
             let rows = right.chunks_mut(columns).zip(left_hand.chunks_mut(columns));
             for (cell, (right, left_hand)) in (down.start + i * share..).zip(rows) {
                 let seen = std::array::from_fn(|row| left.row(DOWN * cell + DOWN / ROWS * row));
-                scratch.reset(columns);
-                scratch.phases.take(&seen, reach);
-                periods_of_row(level, &seen, across.start, reach, scratch, right, left_hand);
+                phases.take(&seen, reach);
+                periods_of_row(level, width, across.start, reach, phases, right, left_hand);
             }
         });
         let compared = |period| {
@@ -191,18 +197,6 @@ impl Repetition {
     }
 }
 
-impl Scratch {
-    fn reset(&mut self, cells: usize) {
-        let Self { sums, expected, most, .. } = self;
-        sums.resize(cells + 1, 0);
-        expected.resize(cells, 0);
-        for most in most {
-            most.clear();
-            most.resize(cells, 0);
-        }
-    }
-}
-
 impl Phases {
     /// The margin and the stride for an image of so many columns.
     fn sizes(width: usize, reach: usize) -> (usize, usize) {
@@ -211,130 +205,147 @@ impl Phases {
     }
 
     fn bytes(width: usize, reach: usize) -> usize {
-        CELL * ROWS * Self::sizes(width, reach).1
+        size_of::<Column>() * CELL * Self::sizes(width, reach).1
     }
 
     /// Takes rows that are compared so many columns beside themselves. What lies beyond their ends is 0.
     fn take(&mut self, rows: &[&[u8]; ROWS], reach: usize) {
         (self.margin, self.stride) = Self::sizes(rows[0].len(), reach);
-        self.samples.clear();
-        self.samples.resize(CELL * ROWS * self.stride, 0);
-        for (row, lines) in rows.iter().zip(self.samples.chunks_mut(CELL * self.stride)) {
-            for (cell, samples) in row.chunks(CELL).enumerate() {
-                for (phase, &sample) in samples.iter().enumerate() {
-                    lines[phase * self.stride + self.margin + cell] = sample;
-                }
-            }
+        self.columns.clear();
+        self.columns.resize(CELL * self.stride, [0; ROWS]);
+        for x in 0..rows[0].len() {
+            let place = x % CELL * self.stride + self.margin + x / CELL;
+            self.columns[place] = rows.map(|row| row[x]);
         }
     }
 
-    /// The samples of every phase, those of each row.
+    /// A column of so many cells from one on, which stands so far to the right of their beginnings.
     #[inline(always)]
-    fn lines(&self) -> Lines<'_> {
-        let line = |row, phase| &self.samples[(row * CELL + phase) * self.stride..][..self.stride];
-        let lines = std::array::from_fn(|phase| std::array::from_fn(|row| line(row, phase)));
-        Lines { lines, margin: self.margin }
-    }
-}
-
-struct Lines<'a> {
-    lines: [[&'a [u8]; ROWS]; CELL],
-    margin: usize,
-}
-
-impl Lines<'_> {
-    /// Samples of so many cells from one on, which stand so many columns to the right of their beginnings, of each row.
-    #[inline(always)]
-    fn at(&self, cell: usize, columns: isize) -> [&[u8; TOGETHER]; ROWS] {
+    fn at(&self, cell: usize, columns: isize) -> &[Column; TOGETHER] {
         let (phase, cells) = (columns & (CELL as isize - 1), columns >> CELL.ilog2());
-        let first = (self.margin + cell).wrapping_add_signed(cells);
-        self.lines[phase as usize]
-            .map(|line| line[first..].first_chunk().expect("there is a margin of as many"))
+        let place = phase as usize * self.stride + self.margin + cell;
+        let columns = &self.columns[place.wrapping_add_signed(cells)..];
+        columns.first_chunk().expect("there is a margin of as many")
     }
 }
 
 at_every_level! {
     /// The least periods of a row of cells, of which `first` is the first one of the image.
     fn periods_of_row(
-        rows: &[&[u8]; ROWS],
+        width: usize,
         first: usize,
         reach: usize,
-        scratch: &mut Scratch,
+        phases: &Phases,
         right: &mut [u16],
         left: &mut [u16],
     ) {
-        let Scratch { phases, sums, expected, most: [most_right, most_left] } = scratch;
-        let lines = phases.lines();
-        let (cells, width) = (right.len(), rows[0].len());
-        expect(rows, first, expected);
-        for period in 1..=reach.min(width) {
-            // The first ones are compared with the right, the last ones with the left.
-            let (inside, outside) = counterparts(width, first, cells, period);
-            if inside > 0 {
-                differences(&lines, first, period as isize, &mut sums[..=inside]);
-                look(period, sums, &expected[..inside], &mut most_right[..inside], &mut right[..inside]);
-            }
-            if outside < cells {
-                differences(&lines, first + outside, -(period as isize), &mut sums[..=cells - outside]);
-                look(period, sums, &expected[outside..], &mut most_left[outside..], &mut left[outside..]);
-            }
-        }
-        for (cell, (right, left)) in (first..).zip(right.iter_mut().zip(left)) {
-            let (before, behind) = (CELL * cell, width - CELL * cell - ACROSS);
-            match (*right, *left) {
-                (NEVER, period) if usize::from(period) > behind => *right = period,
-                (period, NEVER) if usize::from(period) > before => *left = period,
-                _ => {}
-            }
-        }
-    }
-}
-
-/// By what windows may be expected to differ from others.
-#[inline(always)]
-fn expect(rows: &[&[u8]; ROWS], first: usize, expected: &mut [u16]) {
-    for (expected, cell) in expected.iter_mut().zip(first..) {
-        let windows = rows.map(|row| &row[CELL * cell..][..ACROSS]);
-        let samples = || windows.iter().flat_map(|row| row.iter().step_by(EVERY));
-        let mean = ((samples().map(|&s| u32::from(s)).sum::<u32>() + SAMPLES as u32 / 2)
-            / SAMPLES as u32) as u8;
-        let apart: u32 = samples().map(|s| u32::from(s.abs_diff(mean))).sum();
-        *expected = (7 * apart / 5) as u16;
-    }
-}
-
-/// What the 8 columns of every cell from one on differ by from those that stand so many columns to the right of them.
-#[inline(always)]
-fn differences(lines: &Lines<'_>, first: usize, away: isize, sums: &mut [u16]) {
-    for (chunk, sums) in sums.chunks_mut(TOGETHER).enumerate() {
-        let cell = first + chunk * TOGETHER;
-        let mut all = [0; TOGETHER];
-        for phase in (0..CELL as isize).step_by(EVERY) {
-            let (ones, others) = (lines.at(cell, phase), lines.at(cell, phase + away));
-            for i in 0..TOGETHER {
-                let mut of_rows = 0;
-                for row in 0..ROWS {
-                    let apart = ones[row][i].abs_diff(others[row][i]);
-                    of_rows += if apart < BOUND { apart } else { BOUND };
+        let last = reach.min(width);
+        for (chunk, (right, left)) in right.chunks_mut(WINDOWS).zip(left.chunks_mut(WINDOWS)).enumerate() {
+            let (first, cells) = (first + chunk * WINDOWS, right.len());
+            let expected = expect(phases, first);
+            let mut found = [[NEVER; TOGETHER]; 2];
+            for (side, found) in [1, -1].into_iter().zip(&mut found) {
+                let mut most = [0; TOGETHER];
+                let mut sums = [[0; TOGETHER + 1]; PERIODS];
+                for least in (1..=last).step_by(PERIODS) {
+                    let periods = least..(least + PERIODS).min(last + 1);
+                    for (sums, period) in sums.iter_mut().zip(periods.clone()) {
+                        *sums = differences(phases, first, side * period as isize);
+                    }
+                    for (sums, period) in sums.iter().zip(periods) {
+                        // The first ones are compared with the right, the last ones with the left.
+                        let (inside, outside) = counterparts(width, first, cells, period);
+                        let some = if side > 0 { 0..inside } else { outside..cells };
+                        look(period, some, sums, &expected, &mut most, found);
+                    }
                 }
-                all[i] += u16::from(of_rows);
+            }
+            right.copy_from_slice(&found[0][..cells]);
+            left.copy_from_slice(&found[1][..cells]);
+            for (cell, (right, left)) in (first..).zip(right.iter_mut().zip(left)) {
+                let (before, behind) = (CELL * cell, width - CELL * cell - ACROSS);
+                match (*right, *left) {
+                    (NEVER, period) if usize::from(period) > behind => *right = period,
+                    (period, NEVER) if usize::from(period) > before => *left = period,
+                    _ => {}
+                }
             }
         }
-        sums.copy_from_slice(&all[..sums.len()]);
     }
 }
 
-/// Compares what windows differ by at a period with what they differed by at shorter ones.
+/// By what the windows of cells from one on may be expected to differ from others.
 #[inline(always)]
-fn look(period: usize, sums: &[u16], expected: &[u16], most: &mut [u16], periods: &mut [u16]) {
-    let windows = sums.iter().zip(&sums[1..]).zip(expected).zip(most).zip(periods);
-    for ((((one, other), &expected), most), found) in windows {
-        let differ = one + other;
-        let usual = if *most < expected { *most } else { expected };
-        let repeats =
-            (usual > TEXTURE * SAMPLES as u16) & (ALIKE * differ < usual) & (*found == NEVER);
-        *found = if repeats { period as u16 } else { *found };
-        *most = if differ > *most { differ } else { *most };
+fn expect(phases: &Phases, first: usize) -> [u16; TOGETHER] {
+    let columns = || (0..CELL as isize).step_by(EVERY);
+    let cells =
+        || columns().flat_map(|column| [phases.at(first, column), phases.at(first + 1, column)]);
+    let mut sums = [0; TOGETHER];
+    for columns in cells() {
+        for (sum, column) in sums.iter_mut().zip(columns) {
+            *sum += sum_of(column);
+        }
+    }
+    let means = sums.map(|sum| ((sum + SAMPLES as u16 / 2) / SAMPLES as u16) as u8);
+    let mut apart = [0; TOGETHER];
+    for columns in cells() {
+        for ((apart, column), &mean) in apart.iter_mut().zip(columns).zip(&means) {
+            *apart += sum_of(&column.map(|sample| sample.abs_diff(mean)));
+        }
+    }
+    apart.map(|apart| (7 * u32::from(apart) / 5) as u16)
+}
+
+/// What the 8 columns of every cell from one on differ by from those that stand so many columns to the right of them, and
+/// nothing after them.
+#[inline(always)]
+fn differences(phases: &Phases, first: usize, away: isize) -> [u16; TOGETHER + 1] {
+    let mut apart = [[0; ROWS]; TOGETHER];
+    for column in (0..CELL as isize).step_by(EVERY) {
+        let columns = [phases.at(first, column), phases.at(first, column + away)];
+        let [ones, others] = columns.map(|columns| columns.as_flattened());
+        for ((all, one), other) in apart.as_flattened_mut().iter_mut().zip(ones).zip(others) {
+            let apart = one.abs_diff(*other);
+            *all += if apart < BOUND { apart } else { BOUND };
+        }
+    }
+    let mut sums = [0; TOGETHER + 1];
+    for (sum, apart) in sums.iter_mut().zip(&apart) {
+        *sum = sum_of(apart);
+    }
+    sums
+}
+
+/// The sum of four bytes, two at a time: what loops make of one byte after the other is slow.
+#[inline(always)]
+fn sum_of(bytes: &Column) -> u16 {
+    let all = u32::from_ne_bytes(*bytes);
+    let pairs = (all & 0x00ff_00ff) + (all >> 8 & 0x00ff_00ff);
+    (pairs + (pairs >> 16)) as u16
+}
+
+/// Compares what those windows that have a counterpart differ by at a period with what they differed by at shorter ones.
+/// Who has none has none at longer ones.
+#[inline(always)]
+fn look(
+    period: usize,
+    with_counterpart: std::ops::Range<usize>,
+    sums: &[u16; TOGETHER + 1],
+    expected: &[u16; TOGETHER],
+    most: &mut [u16; TOGETHER],
+    found: &mut [u16; TOGETHER],
+) {
+    let (from, to) = (with_counterpart.start as u16, with_counterpart.end as u16);
+    for i in 0..TOGETHER {
+        let differ = sums[i] + sums[i + 1];
+        let usual = if most[i] < expected[i] { most[i] } else { expected[i] };
+        let repeats = (usual > TEXTURE * SAMPLES as u16)
+            & (ALIKE * differ < usual)
+            & (PLACES[i] >= from)
+            & (PLACES[i] < to);
+        let period = if repeats { period as u16 } else { NEVER };
+        found[i] = if period < found[i] { period } else { found[i] };
+        most[i] = if differ > most[i] { differ } else { most[i] };
     }
 }
 
