@@ -188,7 +188,7 @@ fn a_wall_of_tiles_is_not_sure() {
         let map = compute(options(preset, range), &tiled(period), None);
         map.confidence.samples().iter().filter(|&&sure| sure >= 0.5).count()
     };
-    for preset in [Preset::Balanced, Preset::Best] {
+    for preset in Preset::ALL {
         for period in [8, 13, 22] {
             assert_eq!(sure(preset, period, (0, 63)), 0, "{preset}, {period} columns");
             // Where the range has one period alone, there is no doubt.

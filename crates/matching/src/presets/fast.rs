@@ -14,6 +14,7 @@ use crate::prepare::grey::GreyBuffer;
 use crate::profile::{Profile, Work};
 use crate::refinement::groups::{self, Groups};
 use crate::refinement::median_in_steps::{Medians, Steps};
+use crate::refinement::repetition::Repetition;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
 use crate::selection::fixed_point::{FixedPoint, HOLE};
@@ -31,6 +32,7 @@ pub(crate) struct Fast {
     /// Of each band of rows.
     windows: Vec<SlidingWindow>,
     disparities: Plane<u16>,
+    repetition: Repetition,
     groups: Groups,
     medians: Medians,
 }
@@ -42,6 +44,7 @@ impl Fast {
             grey: Default::default(),
             windows: Vec::new(),
             disparities: Plane::default(),
+            repetition: Repetition::default(),
             groups: Groups::default(),
             medians: Medians::default(),
         }
@@ -65,8 +68,7 @@ impl Fast {
         self.windows.resize_with(bands, SlidingWindow::default);
         let mut gaps = Work::default();
         if space.count > 0 {
-            let work = self.find_winners(frame, &space, numbers, height, map);
-            profile.end("windows, winners, check", work);
+            self.find_winners(frame, &space, numbers, height, map, profile);
             let (disparities, step) = (self.disparities.samples(), numbers.steps(groups::STEP));
             let work = self.groups.find(self.level, disparities, columns, step, height);
             profile.end("speckles", work);
@@ -85,7 +87,7 @@ impl Fast {
     }
 
     /// Steps 1 to 6: disparities that the right view confirms, and their confidence. Both are written,
-    /// the grey of both images is read.
+    /// the grey of both images is read. Then the first half of step 10: where the left image repeats.
     fn find_winners(
         &mut self,
         frame: &Frame<'_>,
@@ -93,11 +95,13 @@ impl Fast {
         numbers: FixedPoint,
         height: usize,
         map: &mut DisparityMap,
-    ) -> Work {
+        profile: &mut Profile,
+    ) {
         let (bounds, (width, image_height)) = (frame.bounds, frame.size());
         let (columns, level) = (bounds.columns(), self.level);
         let [left, right] = &mut self.grey;
-        let images = [left.view(level, frame.left), right.view(level, frame.right)];
+        let (left, upper) = left.with_upper_bits(level, frame.left);
+        let images = [left, right.view(level, frame.right)];
         let confidence = rows_of_box(frame, &mut map.confidence);
         self.windows
             .par_iter_mut()
@@ -114,14 +118,17 @@ impl Fast {
             });
         let read = images.iter().map(|image| image.bytes(bounds.rows())).sum::<usize>();
         let written = (size_of::<u16>() + size_of::<f32>()) * columns * bounds.rows();
-        Work::bytes(read + written)
+        let work = Work::bytes(read + written)
             + Work::operations(sad::OPERATIONS) * space.pairs() * bounds.rows()
-            + GreyBuffer::work(frame.left)
-            + GreyBuffer::work(frame.right)
+            + GreyBuffer::work_with_upper_bits(frame.left)
+            + GreyBuffer::work(frame.right);
+        profile.end("windows, winners, check", work);
+        let work = self.repetition.find(level, upper, bounds, Some(frame.range));
+        profile.end("repetition", work);
     }
 
-    /// Steps 7 and 8, row by row: small groups out, gaps filled. Whatever these are, all runs are looked
-    /// at and all reasons written.
+    /// Steps 7, 8 and 10, row by row: small groups out, gaps filled, what repeats doubted. Whatever these are, all runs are
+    /// looked at and all reasons written.
     fn fill_gaps(
         &mut self,
         frame: &Frame<'_>,
@@ -134,7 +141,7 @@ impl Fast {
         let least = LEAST_GROUP.min(columns * bounds.rows() / LEAST_PART);
         let filling =
             Filling { width, first: bounds.x0, numbers, same_surface: numbers.steps(SAME_SURFACE) };
-        let groups = &self.groups;
+        let (groups, repetition) = (&self.groups, &self.repetition);
         let reasons = rows_of_box(frame, &mut map.reasons).par_chunks_mut(height * width);
         let confidence = rows_of_box(frame, &mut map.confidence).par_chunks_mut(height * width);
         let bands = self.disparities.samples_mut().par_chunks_mut(height * columns);
@@ -153,6 +160,10 @@ impl Fast {
                         confidence: &mut confidence[bounds.x0..=bounds.x1],
                     };
                     filling.fill_between(believed, row);
+                    let confidence = &mut confidence[bounds.x0..=bounds.x1];
+                    let first = (bounds.x0, bounds.y0 + y);
+                    let pixels = |x: usize| numbers.pixels(disparities[x]);
+                    repetition.doubt(frame.range, first, pixels, confidence);
                 }
             },
         );
@@ -214,10 +225,12 @@ impl Pipeline for Fast {
         let (bounds, (width, height)) = (widened(frame).bounds, frame.size());
         let (columns, rows) = (bounds.columns(), bounds.rows());
         let grey = memory::grey(frame.left) + memory::grey(frame.right);
+        let grey = grey + memory::upper_bits(frame.left);
         let space = SearchSpace::new(width, bounds, frame.range);
         (memory::ANSWER + grey) * width * height
             + size_of::<u16>() * columns * rows
             + Groups::bytes(columns, rows)
+            + Repetition::bytes(width, bounds, frame.range)
             + rayon::current_num_threads() * SlidingWindow::bytes(&space)
             + memory::rows(width, rows)
     }

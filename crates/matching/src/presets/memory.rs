@@ -45,7 +45,7 @@ pub(super) fn grey(image: &Image) -> usize {
 }
 
 /// Bytes per pixel that the upper bits of an image take beside its grey.
-fn upper_bits(image: &Image) -> usize {
+pub(super) fn upper_bits(image: &Image) -> usize {
     usize::from(image.depth() > u8::BITS)
 }
 

@@ -173,6 +173,11 @@ impl Repetition {
         let last = first + confidence.len() - 1;
         let row = cells(y, y, 0, DOWN, self.all.1).start - self.first.1;
         let [right, left] = self.periods.each_ref().map(|periods| periods.row(row));
+        // Mostly nothing repeats.
+        let all = right.iter().zip(left).fold(NEVER, |all, (right, left)| all & right & left);
+        if all == NEVER {
+            return;
+        }
         for cell in cells(first, last, CELL / 2, CELL, self.all.0) {
             let periods = [right, left].map(|periods| periods[cell - self.first.0]);
             if periods == [NEVER; 2] {
