@@ -1,5 +1,5 @@
 //! What must not outlive this process when a signal ends it: engines, which are in process groups of their own and
-//! never hear of it, and the folders in which they work.
+//! never hear of it, the folders in which they work, and files that are half written.
 //!
 //! A process that is killed outright can do nothing. Then an engine ends when it asks for its next job, since nobody
 //! writes any more; one that hangs does not, unless it is in the sandbox, which sees to that.
@@ -74,7 +74,7 @@ fn remove(folder: &Path) {
 }
 
 /// From now on, signals that end this process (`SIGINT`, `SIGTERM`, `SIGHUP`) kill what it started and remove its
-/// folders first. Those that it was told to ignore stay ignored.
+/// folders, and what it is writing, first. Those that it was told to ignore stay ignored.
 ///
 /// Errors when signals cannot be waited for.
 #[cfg(unix)]
@@ -92,6 +92,7 @@ pub fn clean_up_on_signals() -> io::Result<()> {
                 crate::engine::process::kill_group_of(head);
             }
             kept.folders.iter().for_each(|folder| remove(folder));
+            formats::remove_passing_files();
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
     };

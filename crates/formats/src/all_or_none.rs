@@ -8,7 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::FormatError;
-use crate::atomic::{PREFIX, Place, failed, folder_of};
+use crate::atomic::{Place, failed};
+use crate::passing::PassingFolder;
 
 /// Writes a file to the path that it is given, which ends with the name of the file's own.
 pub type Writer<'a> = dyn Fn(&Path) -> Result<(), FormatError> + 'a;
@@ -51,18 +52,15 @@ pub fn try_to_write(path: &Path, write: &Writer<'_>) -> Result<(), FormatError> 
 struct Passing<'a> {
     path: &'a Path,
     target: PathBuf,
-    /// Holds the file alone; removed when dropped.
-    folder: tempfile::TempDir,
+    /// Holds the file alone.
+    folder: PassingFolder,
     name: &'a std::ffi::OsStr,
 }
 
 impl<'a> Passing<'a> {
     fn write(path: &'a Path, place: Place, write: &Writer<'_>) -> Result<Self, FormatError> {
         let name = name_of(path)?;
-        let folder = tempfile::Builder::new()
-            .prefix(PREFIX)
-            .tempdir_in(folder_of(&place.target))
-            .map_err(|error| failed(path, error))?;
+        let folder = PassingFolder::beside(&place.target).map_err(|error| failed(path, error))?;
         let file = folder.path().join(name);
         write(&file).map_err(|error| error.about(path))?;
         if let Some(permissions) = place.permissions {

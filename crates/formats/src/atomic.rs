@@ -1,6 +1,7 @@
 //! Files appear whole or not at all: written beside their place, then renamed into it.
 //!
-//! This guards against errors half-way, a full disk, and a process that is killed. It does not
+//! This guards against errors half-way, a full disk, and a process that ends: what is passing then goes if
+//! somebody calls [`remove_passing_files`](crate::remove_passing_files), as the command does for signals. It does not
 //! call `fsync`: after a power failure a file may be the old one, the new one, or empty, as the
 //! file system decides.
 
@@ -9,6 +10,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::FormatError;
+use crate::passing::{PREFIX, PassingFile};
 
 /// Writes a file so that nobody ever sees a part of it.
 ///
@@ -32,13 +34,12 @@ pub fn write_atomically(
             return write_through(file, content).map(drop).map_err(failed);
         }
     };
-    let temporary = create_beside(&target).map_err(failed)?;
-    let (file, temporary) = temporary.into_parts();
+    let (file, passing) = PassingFile::beside(&target).map_err(failed)?;
     if let Some(permissions) = permissions {
         file.set_permissions(permissions).map_err(failed)?;
     }
     drop(write_through(file, content).map_err(failed)?);
-    temporary.persist(&target).map_err(|e| failed(e.error))
+    passing.put_in_place(&target).map_err(failed)
 }
 
 /// Where a file goes that is renamed into its place.
@@ -118,21 +119,6 @@ fn without_path(error: io::Error) -> io::Error {
         _ => error,
     }
 }
-
-/// A temporary file in the folder of `target`, with the rights that any new file gets.
-fn create_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX).suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder_of(target))
-}
-
-/// How the names of passing files and folders begin.
-pub(crate) const PREFIX: &str = ".hazcam-";
 
 fn write_through(
     file: fs::File,

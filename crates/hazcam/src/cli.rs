@@ -7,6 +7,8 @@
 
 use std::process::ExitCode;
 
+use anyhow::Context;
+use arena::interrupt;
 use clap::{Arg, CommandFactory, Parser, Subcommand};
 
 use crate::commands;
@@ -136,7 +138,12 @@ pub fn main() -> ExitCode {
         }
     };
     let ui = Ui::new(cli.quiet);
-    match cli.command.run(&ui) {
+    // What becomes another program stays as it was started.
+    let signals = match cli.command {
+        Command::SandboxExec(_) => Ok(()),
+        _ => interrupt::clean_up_on_signals().context("cannot wait for signals"),
+    };
+    match signals.and_then(|()| cli.command.run(&ui)) {
         Ok(status) => status,
         Err(error) => {
             ui.error(&error);

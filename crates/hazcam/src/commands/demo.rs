@@ -1,6 +1,5 @@
 //! `hazcam demo`: rendered scenes, every matcher, a table and pictures, without any data.
 
-use anyhow::Context;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -45,7 +44,6 @@ pub struct Args {
 
 /// Renders, matches, shows.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
-    arena::interrupt::clean_up_on_signals().context("cannot wait for signals")?;
     let cases = scenes::matching(rendered::demo(), |case| &case.id, args.scenes.as_deref())?;
     let engines = args.engines.definitions(&[], None)?;
     let mut output = Output::in_folder(args.out, true)?;

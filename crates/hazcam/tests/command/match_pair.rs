@@ -420,3 +420,29 @@ fn a_profile_that_cannot_be_printed_is_an_error_and_no_panic() {
     assert_eq!(outcome.status, 2, "{}", outcome.stderr);
     assert!(outcome.stderr.contains("cannot write to stdout"), "{}", outcome.stderr);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_signal_leaves_nothing_of_what_is_being_written() {
+    use std::os::unix::process::ExitStatusExt;
+    use std::time::{Duration, Instant};
+    let folder = Folder::with_pair(64, 40);
+    // All files are whole, and wait to be put in their places: nobody reads from the pipe.
+    let pipe = std::process::Command::new("mkfifo").arg(folder.path("pipe.png")).status();
+    assert!(pipe.unwrap().success());
+    let arguments = "match left.png right.png -o d.pfm --preview pipe.png -m fast -q";
+    let mut command = folder.command();
+    let mut hazcam = command.args(arguments.split_whitespace()).spawn().unwrap();
+    let passing = || folder.names().into_iter().filter(|name| name.starts_with(".hazcam-"));
+    let (started, mut before) = (Instant::now(), Vec::new());
+    // What is tried at the beginning is there for a moment only.
+    while before.is_empty() || passing().collect::<Vec<_>>() != before {
+        assert!(started.elapsed() < Duration::from_secs(60), "nothing was written");
+        before = passing().collect();
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    let status = std::process::Command::new("kill").arg(hazcam.id().to_string()).status();
+    assert!(status.unwrap().success());
+    assert_eq!(hazcam.wait().unwrap().signal(), Some(15));
+    assert_eq!(folder.names(), ["left.png", "pipe.png", "right.png"]);
+}

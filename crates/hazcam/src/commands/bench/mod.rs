@@ -21,7 +21,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use arena::dataset::{Case, Purpose};
 use arena::report::Format;
 
@@ -129,7 +129,6 @@ pub struct Args {
 /// Chooses scenes and engines, runs them, shows the tables.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let format: Format = args.format.parse().map_err(anyhow::Error::msg)?;
-    arena::interrupt::clean_up_on_signals().context("cannot wait for signals")?;
     if args.speed.speed {
         let page = args.into.map(|path| Page::open(path, "speed")).transpose()?;
         return args.speed.run(&args.scenes, &args.engines, format, page, ui);

@@ -10,7 +10,7 @@ use arena::grade::{
     Allowance, Confinement, Grader, MOST_SECONDS, Scene, SceneSource, Scenes, Scheme, Test,
     load_scenes,
 };
-use arena::interrupt::{self, Scratch};
+use arena::interrupt::Scratch;
 use arena::sandbox;
 use arena::submission::{Python, Runner};
 
@@ -119,7 +119,6 @@ impl Workshop {
             // not look.
             programs.python = Some(python.executable.clone());
         }
-        interrupt::clean_up_on_signals().context("cannot wait for signals")?;
         let folder = Scratch::new("hazcam-grade-").context("cannot create a working folder")?;
         std::fs::create_dir(folder.path().join("submission"))?;
         let allowance = Allowance {
