@@ -35,8 +35,16 @@ pub(crate) struct Stored {
 /// [`FormatError::TooLarge`] past [`MAX_PIXELS`](crate::MAX_PIXELS), [`FormatError::WrongKind`] for
 /// anything that is no picture of these kinds.
 pub fn read_image(path: impl AsRef<Path>) -> Result<Image, FormatError> {
+    read_image_and_bytes(path).map(|(image, _)| image)
+}
+
+/// The same, with the bytes of the file that it was decoded from: read again, the file may be another one.
+///
+/// Errors: those of [`read_image`].
+pub fn read_image_and_bytes(path: impl AsRef<Path>) -> Result<(Image, Vec<u8>), FormatError> {
     let source = Source::open(path.as_ref())?;
-    decode(&source, source.container()?).map(|decoded| decoded.image)
+    let image = decode(&source, source.container()?)?.image;
+    Ok((image, source.bytes))
 }
 
 /// Decodes a picture of a known container.

@@ -108,7 +108,7 @@ pub use depth::write_depth;
 pub use disparity::{ReadDisparity, read_disparity, write_disparity};
 pub use encoding::Encoding;
 pub use error::FormatError;
-pub use image::{read_image, write_image};
+pub use image::{read_image, read_image_and_bytes, write_image};
 pub use inspect::{DisparityReading, FileContent, FileInfo, Statistics, inspect, inspect_bytes};
 pub use mask::read_mask;
 pub use passing::remove_passing_files;

@@ -36,8 +36,12 @@ pub fn sha256(path: &Path) -> io::Result<Option<String>> {
     if !fs::metadata(path)?.is_file() {
         return Ok(None);
     }
-    let digest = Sha256::digest(fs::read(path)?);
-    Ok(Some(digest.iter().map(|byte| format!("{byte:02x}")).collect()))
+    Ok(Some(sha256_of(&fs::read(path)?)))
+}
+
+/// The SHA-256 of these bytes in hexadecimal digits.
+pub fn sha256_of(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Map {

@@ -423,6 +423,19 @@ fn a_profile_that_cannot_be_printed_is_an_error_and_no_panic() {
 
 #[cfg(unix)]
 #[test]
+fn what_was_read_is_recorded_also_from_a_pipe() {
+    let folder = Folder::with_pair(24, 16);
+    let line = "match left.png /dev/stdin -o d.pfm -d 4 -m fast";
+    folder.run_in_shell("cat right.png |", line, "").done();
+    folder.run("match left.png right.png -o file.pfm -d 4 -m fast").done();
+    let [piped, file] = ["d.pfm.json", "file.pfm.json"].map(|name| sidecar(&folder, name));
+    for field in ["bytes", "sha256"] {
+        assert_eq!(piped["right"][field], file["right"][field]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
 fn a_signal_leaves_nothing_of_what_is_being_written() {
     use std::os::unix::process::ExitStatusExt;
     use std::time::{Duration, Instant};

@@ -17,7 +17,7 @@ use crate::arguments::{self, GivenBox};
 use crate::clock::Stopwatch;
 use crate::ui::Ui;
 use outputs::Outputs;
-use sidecar::{Inputs, Sidecar};
+use sidecar::{Input, Inputs, Sidecar};
 
 /// Match two rectified images: a disparity for every pixel of the left one
 ///
@@ -140,8 +140,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let inputs = [Some(&args.left), Some(&args.right), file_of_box].into_iter().flatten();
     outputs.check(&inputs.map(PathBuf::as_path).collect::<Vec<_>>())?;
 
-    let mut left = formats::read_image(&args.left)?;
-    let mut right = formats::read_image(&args.right)?;
+    let (mut left, left_read) = Input::read(&args.left)?;
+    let (mut right, right_read) = Input::read(&args.right)?;
     check_pair(&args, &left, &right)?;
     if let Some(bits) = args.bits {
         [left, right] = bits::widened(bits, [(&args.left, left), (&args.right, right)])?;
@@ -166,7 +166,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
     let bounds = given.unwrap_or(BoundingBox::whole(left.columns(), left.rows()));
     let (map, vertical) = (matcher.map(), matcher.vertical_disparity());
-    let inputs = Inputs { left: &args.left, right: &args.right, bits: args.bits };
+    let inputs = Inputs { left: left_read, right: right_read, bits: args.bits };
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {

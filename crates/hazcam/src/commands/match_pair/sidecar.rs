@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use formats::FormatError;
 use matching::{Holes, Level, Options, VerticalDisparity};
-use raster::{BoundingBox, DisparityMap, Reason};
+use raster::{BoundingBox, DisparityMap, Image, Reason};
 use serde::Serialize;
 
 use super::outputs::Outputs;
 use crate::clock::Elapsed;
-use crate::map::sha256;
+use crate::map::sha256_of;
 
 /// What stands in `OUT.json`.
 #[derive(Serialize)]
@@ -67,13 +67,13 @@ impl From<[f64; 5]> for Coefficients {
     }
 }
 
+/// A file that was read.
 #[derive(Serialize)]
-struct Input {
+pub struct Input {
     #[serde(serialize_with = "formats::path_as_text")]
     path: PathBuf,
-    bytes: u64,
-    /// None for a pipe, which can be read only once.
-    sha256: Option<String>,
+    bytes: usize,
+    sha256: String,
 }
 
 #[derive(Serialize)]
@@ -92,17 +92,17 @@ struct OptionsRecord {
 }
 
 /// What a map is made of.
-pub struct Inputs<'a> {
-    pub left: &'a Path,
-    pub right: &'a Path,
+pub struct Inputs {
+    pub left: Input,
+    pub right: Input,
     /// How many bits 16-bit samples were said to have.
     pub bits: Option<u32>,
 }
 
 impl Sidecar {
-    /// Hashes the inputs and counts the reasons.
+    /// Counts the reasons.
     pub fn new(
-        Inputs { left, right, bits }: Inputs<'_>,
+        Inputs { left, right, bits }: Inputs,
         outputs: &Outputs,
         options: &Options,
         bounds: BoundingBox,
@@ -112,8 +112,8 @@ impl Sidecar {
     ) -> anyhow::Result<Self> {
         Ok(Self {
             hazcam: env!("CARGO_PKG_VERSION"),
-            left: Input::of(left)?,
-            right: Input::of(right)?,
+            left,
+            right,
             output: outputs.disparity.clone(),
             columns: map.values.columns(),
             rows: map.values.rows(),
@@ -167,10 +167,10 @@ fn shares(map: &DisparityMap, bounds: BoundingBox) -> BTreeMap<&'static str, f64
 }
 
 impl Input {
-    fn of(path: &Path) -> anyhow::Result<Self> {
-        let cannot = || format!("cannot read {} again to record its SHA-256", path.display());
-        let metadata = std::fs::metadata(path).with_context(cannot)?;
-        let sha256 = sha256(path).with_context(cannot)?;
-        Ok(Self { path: path.to_owned(), bytes: metadata.len(), sha256 })
+    /// Reads an image, and records what it was decoded from: while it is matched, the file may become another one.
+    pub fn read(path: &Path) -> Result<(Image, Self), FormatError> {
+        let (image, bytes) = formats::read_image_and_bytes(path)?;
+        let sha256 = sha256_of(&bytes);
+        Ok((image, Self { path: path.to_owned(), bytes: bytes.len(), sha256 }))
     }
 }
