@@ -84,9 +84,13 @@ pub fn of_file(error: FormatError) -> PyErr {
         FormatError::Read { path, source } => {
             FileAccessError::new_err((source.raw_os_error(), message, path.into_os_string()))
         }
-        FormatError::Write { path, source, .. } => {
-            let number = source.and_then(|source| source.raw_os_error());
-            FileAccessError::new_err((number, message, path.into_os_string()))
+        FormatError::Write { path, os_error, .. } => {
+            let kind = os_error.map(|number| io::Error::from_raw_os_error(number).kind());
+            let about = (os_error, message, path.into_os_string());
+            match kind {
+                Some(io::ErrorKind::NotFound) => MissingFileError::new_err(about),
+                _ => FileAccessError::new_err(about),
+            }
         }
         FormatError::Malformed { .. }
         | FormatError::TooLarge { .. }

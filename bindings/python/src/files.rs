@@ -1,6 +1,5 @@
 //! Files in, files out.
 
-use camera::StereoCamera;
 use formats::{Encoding, FormatError};
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -11,6 +10,7 @@ use crate::detached::detached;
 use crate::errors::{about, of_file, wrong_value};
 use crate::images::from_image;
 use crate::planes::map;
+use crate::stereo_camera::{Numbers, numbers};
 
 /// A picture as an array.
 #[pyfunction]
@@ -52,17 +52,17 @@ pub fn write_disparity(
     detached(py, || formats::write_disparity(path, &values))?.map_err(of_file)
 }
 
-/// `(focal_px, baseline_m, doffs, cx, cy)` of the pair that a left image belongs to.
+/// `(focal_px, baseline_m, doffs, cx, cy)` of the pair that a left image belongs to, and the columns and rows of its
+/// images where the file says them.
 #[pyfunction]
 pub fn read_calibration(
     py: Python<'_>,
     path: &Bound<'_, PyAny>,
     left: &Bound<'_, PyAny>,
-) -> PyResult<(f64, f64, f64, f64, f64)> {
+) -> PyResult<(Numbers, Option<(usize, usize)>)> {
     let path = self::path("path", path)?;
     let left = (!left.is_none()).then(|| self::path("left", left)).transpose()?;
     let read = detached(py, || formats::read_calibration(path))?.map_err(of_file)?;
     let camera = left.map_or(read.camera, |left| read.camera_of(left));
-    let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = camera;
-    Ok((focal_px, baseline_m, doffs, cx, cy))
+    Ok((numbers(&camera), read.width.zip(read.height)))
 }

@@ -29,7 +29,7 @@ mod _hazcam {
     #[pymodule_export]
     use crate::scores::score_map;
     #[pymodule_export]
-    use crate::stereo_camera::{check_camera, depth, points};
+    use crate::stereo_camera::{check_camera, depth, depth_uncertainty, points, scaled};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

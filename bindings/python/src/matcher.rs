@@ -122,6 +122,17 @@ impl Matcher {
             );
             return Err(wrong_value("right", kind(&right), allowed));
         }
+        let (range, columns) = (self.options.range, left.columns());
+        if !range.meets(columns) {
+            let (name, value) = match range.min() > 0 {
+                true => ("min_disparity", range.min()),
+                false => ("max_disparity", range.max()),
+            };
+            let allowed = format!(
+                "images of {columns} columns have no match as far away: nothing could be matched"
+            );
+            return Err(wrong_value(name, value, allowed));
+        }
         let bounds = arguments::bounding_box(r#box)?;
         let answer = detached(py, || self.answer(&left, &right, bounds))?.map_err(of_matching)?;
         Ok((

@@ -5,11 +5,20 @@ use numpy::{PyArray2, PyArray3, ndarray};
 use pyo3::prelude::*;
 use raster::Plane;
 
-use crate::arguments::real;
+use crate::arguments::{count, real, shown};
 use crate::arrays::from_plane;
 use crate::detached::detached;
-use crate::errors::of_camera;
+use crate::errors::{of_camera, wrong_value};
 use crate::planes::map;
+
+/// `(focal_px, baseline_m, doffs, cx, cy)`.
+pub type Numbers = (f64, f64, f64, f64, f64);
+
+/// Those of a camera.
+pub fn numbers(camera: &StereoCamera) -> Numbers {
+    let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = *camera;
+    (focal_px, baseline_m, doffs, cx, cy)
+}
 
 /// A camera from Python.
 pub struct Camera {
@@ -17,14 +26,27 @@ pub struct Camera {
     camera: StereoCamera,
     cx: Option<f64>,
     cy: Option<f64>,
+    /// Columns and rows of its images.
+    size: Option<(usize, usize)>,
 }
 
 impl Camera {
     /// The camera of a map of `(columns, rows)`, which it looks at the middle of unless told otherwise.
-    fn of_map(self, size: (usize, usize)) -> StereoCamera {
+    fn of_map(&self, size: (usize, usize)) -> PyResult<StereoCamera> {
+        if let Some((columns, rows)) = self.size
+            && size != (columns, rows)
+        {
+            let what = format!("a map of {} rows x {} columns", size.1, size.0);
+            let allowed = format!(
+                "the camera's images have {rows} rows x {columns} columns: camera.scaled({}) is that of images as wide \
+                 as the map, and of a part of an image say cx, cy and size",
+                size.0 as f64 / columns as f64
+            );
+            return Err(wrong_value("disparity", what, allowed));
+        }
         let ([x, y], mut camera) = (middle(size), self.camera);
         (camera.cx, camera.cy) = (self.cx.unwrap_or(x), self.cy.unwrap_or(y));
-        camera
+        Ok(camera)
     }
 }
 
@@ -41,14 +63,61 @@ impl<'py> FromPyObject<'_, 'py> for Camera {
         let (doffs, cx, cy) = (number("doffs")?, known("cx")?, known("cy")?);
         let [x, y] = [cx, cy].map(Option::unwrap_or_default);
         let camera = StereoCamera::new(focal_px, baseline_m, doffs, x, y).map_err(of_camera)?;
-        Ok(Self { camera, cx, cy })
+        let size = size(&value.getattr("size")?)?;
+        Ok(Self { camera, cx, cy, size })
     }
 }
 
-/// Raises where the fields make no camera.
+/// `(columns, rows)` of images, or `None`.
+fn size(value: &Bound<'_, PyAny>) -> PyResult<Option<(usize, usize)>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    let allowed = "it must be (columns, rows) of the camera's images, each at least 1";
+    let wrong = || wrong_value("size", shown(value), allowed);
+    let [columns, rows]: [Bound<'_, PyAny>; 2] = value.extract().map_err(|_| wrong())?;
+    let [columns, rows] = [columns, rows].map(|side| count("size", &side, allowed));
+    match (columns?, rows?) {
+        (Some(columns), Some(rows)) if columns > 0 && rows > 0 => Ok(Some((columns, rows))),
+        _ => Err(wrong()),
+    }
+}
+
+/// Raises where the fields make no camera; says what is unusual about them.
 #[pyfunction]
-pub fn check_camera(camera: Camera) {
-    let Camera { .. } = camera;
+pub fn check_camera(camera: Camera) -> Option<String> {
+    camera.camera.doubt()
+}
+
+/// The numbers of the camera at another scale.
+#[pyfunction]
+pub fn scaled(camera: Camera, times: &Bound<'_, PyAny>) -> PyResult<Numbers> {
+    let times = real("times", times)?;
+    if !(times.is_finite() && times > 0.0) {
+        return Err(wrong_value("times", times, "it must be finite and positive"));
+    }
+    camera.camera.scaled(times).map(|camera| numbers(&camera)).map_err(of_camera)
+}
+
+/// By how much depths in metres are off where disparities are off by so many pixels.
+#[pyfunction]
+pub fn depth_uncertainty<'py>(
+    py: Python<'py>,
+    camera: Camera,
+    depth: &Bound<'py, PyAny>,
+    disparity_error: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let error = real("disparity_error", disparity_error)?;
+    if !(error.is_finite() && error > 0.0) {
+        return Err(wrong_value(
+            "disparity_error",
+            error,
+            "it must be finite and positive, in pixels",
+        ));
+    }
+    let depths = map("depth", depth)?;
+    let off = detached(py, || camera.camera.depth_uncertainty_map(&depths, error))?;
+    Ok(from_plane(py, off))
 }
 
 /// Depth in metres of each disparity.
@@ -58,7 +127,8 @@ pub fn depth<'py>(
     camera: Camera,
     disparity: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (Camera { camera, .. }, disparities) = (camera, map("disparity", disparity)?);
+    let disparities = map("disparity", disparity)?;
+    let camera = camera.of_map(disparities.size())?;
     let depths = detached(py, || camera.depth_map(&disparities))?;
     Ok(from_plane(py, depths))
 }
@@ -71,7 +141,7 @@ pub fn points<'py>(
     disparity: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let disparities = map("disparity", disparity)?;
-    let camera = camera.of_map(disparities.size());
+    let camera = camera.of_map(disparities.size())?;
     let points = detached(py, || of_pixels(&camera, &disparities))?;
     Ok(PyArray3::from_owned_array(py, points))
 }

@@ -432,6 +432,13 @@ TYPES = [
 ]
 
 
+def test_a_range_that_lies_outside_the_images_is_refused():
+    for range, name in (((90, 60), "min_disparity"), ((-60, -90), "max_disparity")):
+        matcher = hazcam.Matcher("fast", range[0], min_disparity=range[1])
+        with pytest.raises(hazcam.ArgumentError, match=f"`{name}` is -?60, but images of 9 columns"):
+            matcher.compute(GREY, GREY)
+
+
 @pytest.mark.parametrize("call, message", VALUES, ids=[message for _, message in VALUES])
 def test_wrong_values_are_named(call, message):
     with pytest.raises(hazcam.ArgumentError) as error:
@@ -534,9 +541,10 @@ def test_files_that_cannot_be_used_are_told(tmp_path):
     again = pickle.loads(pickle.dumps(error.value))
     assert (str(again), again.errno) == (str(error.value), errno.ENOENT)
 
-    with pytest.raises(hazcam.FileAccessError, match="does not exist; create it first") as error:
+    with pytest.raises(hazcam.MissingFileError, match="does not exist; create it first") as error:
         hazcam.write_disparity(tmp_path / "no" / "d.pfm", MAP)
     assert error.value.filename == str(tmp_path / "no" / "d.pfm")
+    assert error.value.errno == errno.ENOENT
     with pytest.raises(hazcam.FileAccessError) as error:
         hazcam.read_image(tmp_path)
     assert str(error.value).startswith(f"cannot read {tmp_path}: ")

@@ -198,6 +198,15 @@ def test_a_map_and_a_matcher_can_be_shown():
     )
 
 
+def test_as_an_array_a_map_is_its_values(tmp_path):
+    found = hazcam.match(*dots(), 32)
+    assert np.shares_memory(np.asarray(found), found.values)
+    assert not np.shares_memory(np.array(found), found.values)
+    assert np.asarray(found, np.float64).dtype == np.float64
+    np.save(tmp_path / "d.npy", found)
+    np.testing.assert_array_equal(hazcam.read_disparity(tmp_path / "d.npy"), found.values)
+
+
 def test_reasons_are_those_of_the_matcher():
     names = {reason.name.lower().replace("_", "-"): int(reason) for reason in Reason}
     assert names == hazcam._hazcam.REASONS

@@ -61,7 +61,7 @@ def test_calibrations_are_read(tmp_path):
         "cam0=[800 0 320; 0 800 240; 0 0 1]\ncam1=[800 0 330; 0 800 240; 0 0 1]\n"
         "doffs=10\nbaseline=250\nwidth=640\nheight=480\nndisp=64\n"
     )
-    expected = hazcam.StereoCamera(800, 0.25, doffs=10, cx=320, cy=240)
+    expected = hazcam.StereoCamera(800, 0.25, doffs=10, cx=320, cy=240, size=(640, 480))
     assert hazcam.read_calibration(middlebury) == expected
     kitti = tmp_path / "000000.txt"
     rows = [(0, 0.0), (1, -350.0), (2, 35.0), (3, -315.7)]
@@ -69,3 +69,59 @@ def test_calibrations_are_read(tmp_path):
     assert hazcam.read_calibration(str(kitti)).baseline_m == pytest.approx(0.5)
     colour = hazcam.read_calibration(kitti, left=tmp_path / "image_2" / "000000_10.png")
     assert colour.baseline_m == pytest.approx(350.7 / 700)
+
+
+def test_maps_of_another_size_than_the_images_are_refused_and_a_scaled_camera_takes_them():
+    camera = hazcam.StereoCamera(800, 0.25, doffs=10, cx=320, cy=240, size=(640, 480))
+    whole, half = np.full((480, 640), 30.0), np.full((240, 320), 15.0)
+    for answer in (camera.depth, camera.points):
+        with pytest.raises(hazcam.ArgumentError, match=r"240 rows x 320 columns.*scaled\(0\.5\)"):
+            answer(half)
+    scaled = camera.scaled(0.5)
+    assert scaled == hazcam.StereoCamera(400, 0.25, doffs=5, cx=159.75, cy=119.75, size=(320, 240))
+    assert np.all(scaled.depth(half) == camera.depth(whole)[::2, ::2])
+    anywhere = hazcam.StereoCamera(800, 0.25).scaled(2)
+    assert (anywhere.cx, anywhere.cy, anywhere.size) == (None, None, None)
+    for times in (0, -1, float("nan")):
+        with pytest.raises(hazcam.ArgumentError, match="times"):
+            camera.scaled(times)
+    for size in ((0, 5), (5,), (1, 2, 3), 7):
+        with pytest.raises(hazcam.ArgumentError, match="size"):
+            hazcam.StereoCamera(800, 0.25, size=size)
+
+
+def test_numbers_in_other_units_are_doubted():
+    with pytest.warns(hazcam.HazcamWarning, match="focal length is 0.004 px"):
+        hazcam.StereoCamera(0.004, 0.12)
+    with pytest.warns(hazcam.HazcamWarning, match="baseline is 120 m"):
+        hazcam.StereoCamera(700, 120)
+
+
+def test_what_is_not_sure_filled_or_far_can_be_left_out():
+    values = np.array([[50, 50, 20]], np.float32)
+    reasons = np.array([[1, 2, 1]], np.uint8)
+    found = hazcam.DisparityMap(values, reasons, np.float32([[0.9, 0.1, 0.6]]), None)
+    with pytest.warns(hazcam.HazcamWarning, match="filled in without a match.*min_confidence"):
+        np.testing.assert_array_equal(CAMERA.depth(found), [[4, 4, 10]])
+    np.testing.assert_array_equal(CAMERA.depth(found, min_confidence=0.5), [[4, np.nan, 10]])
+    sure = CAMERA.points(found, min_confidence=0.5, max_depth=9)
+    np.testing.assert_array_equal(np.isnan(sure[0]).all(axis=1), [False, True, True])
+    np.testing.assert_array_equal(CAMERA.depth(values, max_depth=4), [[4, 4, np.nan]])
+    with pytest.raises(hazcam.ArgumentError, match="min_confidence.*DisparityMap"):
+        CAMERA.depth(values, min_confidence=0.5)
+    for wrong in ({"min_confidence": 1.5}, {"max_depth": 0}):
+        with pytest.raises(hazcam.ArgumentError, match=next(iter(wrong))):
+            CAMERA.depth(found, **wrong)
+
+
+def test_uncertainty_grows_with_the_square_of_depth():
+    off = CAMERA.depth_uncertainty(np.array([[2, 4, np.nan]]), 0.5)
+    np.testing.assert_allclose(off, [[0.01, 0.04, np.nan]], rtol=1e-6)
+    with pytest.raises(hazcam.ArgumentError, match="disparity_error"):
+        CAMERA.depth_uncertainty(np.ones((1, 1)), 0)
+
+
+def test_sixteenths_of_a_pixel_are_doubted():
+    of_opencv = np.array([[800, -16]], np.int16)
+    with pytest.warns(hazcam.HazcamWarning, match="`disparity` is an array of int16.*sixteenths"):
+        CAMERA.depth(of_opencv)

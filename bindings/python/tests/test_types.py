@@ -53,3 +53,18 @@ def test_users_are_told_of_wrong_types(tmp_path):
     )
     errors = [line for line in ran.stdout.splitlines() if ": error:" in line]
     assert len(errors) == 1 and ":5: error:" in errors[0], ran.stdout + ran.stderr
+
+
+def test_pictures_and_numbers_of_opencv_and_numpy_are_of_right_types(tmp_path):
+    pytest.importorskip("cv2", reason="OpenCV is not installed: its types are not checked")
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import cv2\n"
+        "import hazcam\n"
+        "import numpy as np\n"
+        "left, right = cv2.imread('l.png', 0), cv2.imread('r.png', 0)\n"
+        "assert left is not None and right is not None\n"
+        "found = hazcam.match(left, right, np.int64(63))\n"
+        "hazcam.score(found, found.values, mask=left == 255)\n"
+    )
+    run("mypy", "--strict", str(program))

@@ -29,6 +29,12 @@ pub struct CameraError {
 /// are sure of, 93 of 100 lie as near to the truth as that (docs/RELIABILITY.md).
 pub const DISPARITY_ERROR: f64 = 1.0;
 
+/// Of cameras that look at scenes: pixels of the focal length at the least, metres of baselines.
+const LEAST_FOCAL: f64 = 10.0;
+const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=20.0;
+/// Principal points lie within so much of the size of images from their middle.
+const OFF_MIDDLE: f64 = 0.25;
+
 /// Column and row of the middle of an image of `(columns, rows)`, to the half pixel: the principal point
 /// where none is known.
 pub fn middle((columns, rows): (usize, usize)) -> [f64; 2] {
@@ -97,6 +103,41 @@ impl StereoCamera {
             }
         }
         Ok(Self { focal_px, baseline_m, doffs, cx, cy })
+    }
+
+    /// That of the same pair where its images are so many times as large: pixel centres lie at whole numbers, so it is
+    /// their edges that scale.
+    ///
+    /// Errors where that leaves no camera, as with a scale that is not positive.
+    pub fn scaled(&self, times: f64) -> Result<Self, CameraError> {
+        let place = |at: f64| (at + 0.5) * times - 0.5;
+        let (focal_px, doffs) = (self.focal_px * times, self.doffs * times);
+        Self::new(focal_px, self.baseline_m, doffs, place(self.cx), place(self.cy))
+    }
+
+    /// What is unusual about its numbers, as it is where one is in another unit: a sentence.
+    pub fn doubt(&self) -> Option<String> {
+        let Self { focal_px, baseline_m, .. } = *self;
+        if focal_px < LEAST_FOCAL {
+            Some(format!(
+                "the focal length is {focal_px} px, which is less than cameras have: is it in millimetres or metres? \
+                 Divide it by the width of a pixel"
+            ))
+        } else if !BASELINES.contains(&baseline_m) {
+            Some(format!(
+                "the baseline is {baseline_m} m, which is unusual: was it in metres (Middlebury's calib.txt: \
+                 millimetres)?"
+            ))
+        } else {
+            None
+        }
+    }
+
+    /// Whether its principal point lies far from the middle of a map of `(columns, rows)`, as it does where that was made
+    /// at another scale than the camera is of, or cut out.
+    pub fn is_off_middle(&self, (columns, rows): (usize, usize)) -> bool {
+        let share = |place: f64, size: usize| ((place + 0.5) / size as f64 - 0.5).abs();
+        share(self.cx, columns).max(share(self.cy, rows)) > OFF_MIDDLE
     }
 
     /// Depth in metres of a disparity in pixels: `f B / (d + doffs)`.
@@ -303,5 +344,27 @@ mod tests {
             let expected = format!("times baseline in metres is {product}, but it must be finite");
             assert!(error.to_string().contains(&expected), "{error}");
         }
+    }
+
+    #[test]
+    fn numbers_in_other_units_are_doubted() {
+        let about =
+            |focal, baseline| StereoCamera::new(focal, baseline, 0.0, 0.0, 0.0).unwrap().doubt();
+        assert_eq!([about(700.0, 0.12), about(10.0, 0.001), about(5e3, 20.0)], [None, None, None]);
+        assert!(about(0.004, 0.12).unwrap().contains("focal length is 0.004 px"));
+        for baseline in [1.67e-4, 120.0] {
+            assert!(about(700.0, baseline).unwrap().contains("the baseline is"));
+        }
+    }
+
+    #[test]
+    fn a_scaled_camera_sees_the_same_points() {
+        let camera = StereoCamera::new(700.0, 0.12, 8.0, 310.0, 200.0).unwrap();
+        let half = camera.scaled(0.5).unwrap();
+        // The left edge of the pixel in column 100 of the half image is that of column 200.
+        let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        let whole = camera.point(199.5, 99.5, 34.0).unwrap();
+        assert!(near(half.point(99.5, 49.5, 17.0).unwrap(), whole));
+        assert!(camera.scaled(0.0).is_err() && camera.scaled(f64::NAN).is_err());
     }
 }

@@ -58,6 +58,7 @@ impl Place {
                 return Err(FormatError::Write {
                     path: path.to_owned(),
                     problem: "it is a folder; name a file in it".to_owned(),
+                    os_error: None,
                     source: None,
                 });
             }
@@ -101,6 +102,7 @@ const MOST_LINKS: usize = 40;
 
 /// The error in words about `path`: the system's own are about the temporary file.
 pub(crate) fn failed(path: &Path, error: io::Error) -> FormatError {
+    let os_error = number_of(&error);
     let (problem, source) = match explain(path, &error) {
         Some(problem) => (problem, None),
         None => {
@@ -108,7 +110,13 @@ pub(crate) fn failed(path: &Path, error: io::Error) -> FormatError {
             (error.to_string(), Some(error))
         }
     };
-    FormatError::Write { path: path.to_owned(), problem, source }
+    FormatError::Write { path: path.to_owned(), problem, os_error, source }
+}
+
+/// The system's number for an error, also of one about a temporary file.
+fn number_of(error: &io::Error) -> Option<i32> {
+    let within = || error.get_ref()?.source()?.downcast_ref::<io::Error>()?.raw_os_error();
+    error.raw_os_error().or_else(within)
 }
 
 /// What the system said, where a temporary file's path was put behind it: nobody has heard of that.

@@ -23,7 +23,9 @@ pub enum FormatError {
         path: PathBuf,
         /// What stands in the way, and the remedy.
         problem: String,
-        /// What the system said.
+        /// The system's number for that, where it has one.
+        os_error: Option<i32>,
+        /// What the system said, where `problem` says no more than that.
         source: Option<io::Error>,
     },
     /// The content breaks the rules of its own format: cut off, damaged, or not made to the rules.
@@ -139,7 +141,7 @@ impl FormatError {
     /// Nothing is written of what has no pixels; `subject` is that with its verb.
     pub(crate) fn no_pixels(path: &Path, subject: &str) -> Self {
         let problem = format!("{subject} no pixels: at least 1 x 1 is needed");
-        Self::Write { path: path.to_owned(), problem, source: None }
+        Self::Write { path: path.to_owned(), problem, os_error: None, source: None }
     }
 
     /// The same error about another file: the one that was meant, where a passing one was written.

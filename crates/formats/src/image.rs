@@ -93,7 +93,8 @@ pub fn write_image(path: impl AsRef<Path>, image: &Image) -> Result<(), FormatEr
 }
 
 fn unfit(path: &Path, problem: &str) -> FormatError {
-    FormatError::Write { path: path.to_owned(), problem: problem.to_owned(), source: None }
+    let (path, problem) = (path.to_owned(), problem.to_owned());
+    FormatError::Write { path, problem, os_error: None, source: None }
 }
 
 /// The extension in lower case.

@@ -8,12 +8,6 @@ use formats::CalibrationLayout;
 
 use crate::ui::Ui;
 
-/// Of cameras that look at scenes: pixels of the focal length at the least, metres of baselines.
-const LEAST_FOCAL: f64 = 10.0;
-const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=20.0;
-/// Principal points lie within so much of the size of images from their middle.
-const OFF_MIDDLE: f64 = 0.25;
-
 #[derive(clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
@@ -68,7 +62,7 @@ impl CameraArguments {
             Some(path) => calibrated(path, size, image, ui).map(Some),
             None => self.stated(size),
         }?;
-        if let Some(doubt) = camera.as_ref().and_then(doubt) {
+        if let Some(doubt) = camera.as_ref().and_then(StereoCamera::doubt) {
             ui.note(doubt);
         }
         Ok(camera)
@@ -82,29 +76,11 @@ impl CameraArguments {
     }
 }
 
-/// What is unusual about a camera, as it is where a number is in another unit.
-fn doubt(camera: &StereoCamera) -> Option<String> {
-    let StereoCamera { focal_px, baseline_m, .. } = *camera;
-    if focal_px < LEAST_FOCAL {
-        Some(format!(
-            "the focal length is {focal_px} px, which is less than cameras have: is it in millimetres or metres? \
-             Divide it by the width of a pixel"
-        ))
-    } else if !BASELINES.contains(&baseline_m) {
-        Some(format!(
-            "the baseline is {baseline_m} m, which is unusual: was it in metres (Middlebury's calib.txt: millimetres)?"
-        ))
-    } else {
-        None
-    }
-}
-
 /// What is unusual about the principal point for a map of a size, as it is where that was made at another scale than
 /// the calibration, or cut out.
 fn off_middle(camera: &StereoCamera, (columns, rows): (usize, usize)) -> Option<String> {
     let StereoCamera { cx, cy, .. } = *camera;
-    let share = |place: f64, size: usize| ((place + 0.5) / size as f64 - 0.5).abs();
-    (share(cx, columns).max(share(cy, rows)) > OFF_MIDDLE).then(|| {
+    camera.is_off_middle((columns, rows)).then(|| {
         format!(
             "the principal point, column {cx} and row {cy}, is far from the middle of the map of {columns} x {rows}, \
              and the file does not say of which size its images are: if they have another scale, depth is wrong; give \
@@ -184,17 +160,6 @@ fn calibrated(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_in_other_units_are_doubted() {
-        let about =
-            |focal, baseline| doubt(&StereoCamera::new(focal, baseline, 0.0, 0.0, 0.0).unwrap());
-        assert_eq!([about(700.0, 0.12), about(10.0, 0.001), about(5e3, 20.0)], [None, None, None]);
-        assert!(about(0.004, 0.12).unwrap().contains("focal length is 0.004 px"));
-        for baseline in [1.67e-4, 120.0] {
-            assert!(about(700.0, baseline).unwrap().contains("the baseline is"));
-        }
-    }
 
     #[test]
     fn a_principal_point_far_from_the_middle_is_doubted() {

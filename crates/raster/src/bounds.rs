@@ -138,6 +138,12 @@ impl DisparityRange {
     pub fn count(&self) -> usize {
         (i64::from(self.max) - i64::from(self.min) + 1) as usize
     }
+
+    /// Whether any of its disparities has its match within images of so many columns.
+    pub fn meets(&self, columns: usize) -> bool {
+        let columns = i64::try_from(columns).unwrap_or(i64::MAX);
+        i64::from(self.min) < columns && i64::from(self.max) > -columns
+    }
 }
 
 #[cfg(test)]
@@ -169,5 +175,12 @@ mod tests {
         assert!(DisparityRange::new(1, 0).is_err());
         assert_eq!(DisparityRange::new(-3, 4).unwrap().count(), 8);
         assert_eq!(DisparityRange::new(i32::MIN, i32::MAX).unwrap().count(), 1 << 32);
+    }
+
+    #[test]
+    fn a_range_meets_images_that_are_as_wide() {
+        let meets = |min, max, columns| DisparityRange::new(min, max).unwrap().meets(columns);
+        assert!(meets(9, 20, 10) && meets(-20, -9, 10) && meets(-20, 20, 1));
+        assert!(!meets(10, 20, 10) && !meets(-20, -10, 10) && !meets(0, 5, 0));
     }
 }

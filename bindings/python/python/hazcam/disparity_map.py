@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
+
+from .doubts import warn
 
 
 class Reason(IntEnum):
@@ -53,7 +57,7 @@ class DisparityMap:
     """A disparity for each pixel of the left image, with its reason and how sure it is.
 
     All arrays have the shape (rows, columns) of the left image, and are yours: later frames leave
-    them as they are.
+    them as they are. As an array, as in ``numpy.save("d.npy", found)``, it is its values.
     """
 
     values: NDArray[np.float32]
@@ -67,6 +71,14 @@ class DisparityMap:
     vertical_disparity: VerticalDisparity | None
     """What was mended of the rows, or ``None`` where nothing was worth it. ``fast`` never looks."""
 
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        if copy:
+            return np.array(self.values, dtype)
+        values = np.asarray(self.values, dtype)
+        if copy is False and values is not self.values:
+            raise ValueError("values are float32: they cannot be of another type without a copy")
+        return values
+
     def __repr__(self) -> str:
         rows, columns = self.values.shape
         answered = self.reasons != Reason.OUTSIDE_BOX
@@ -77,3 +89,15 @@ class DisparityMap:
 def disparities(disparity: DisparityMap | NDArray[np.generic]) -> NDArray[np.generic]:
     """The values of a map, which may be given as it came from a matcher or as an array."""
     return disparity.values if isinstance(disparity, DisparityMap) else disparity
+
+
+def in_pixels(name: str, disparity: DisparityMap | NDArray[Any]) -> NDArray[Any]:
+    """The same, with a warning where an array seems to be in sixteenths of a pixel."""
+    values = disparities(disparity)
+    if getattr(values, "dtype", None) == np.int16:
+        warn(
+            f"`{name}` is an array of int16, which is taken as whole pixels: OpenCV's matchers answer "
+            "sixteenths, and less than the least disparity where there is none; of these give "
+            f"numpy.where({name} < 16 * min_disparity, numpy.nan, {name} / 16)"
+        )
+    return values

@@ -32,7 +32,7 @@ class FileAccessError(HazcamError, OSError):
 
 
 class MissingFileError(FileAccessError, FileNotFoundError):
-    """There is no such file."""
+    """There is no such file, or no folder to write it to."""
 
 
 class FileContentError(HazcamError, ValueError):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _hazcam
-from .disparity_map import DisparityMap, disparities
+from .disparity_map import DisparityMap, in_pixels
 from .errors import HazcamWarning
 from .matcher import Image
 
@@ -51,4 +51,4 @@ def write_disparity(path: str | PathLike[str], disparity: DisparityMap | NDArray
     Raises FileAccessError where it cannot be written, ArgumentError for what the format cannot
     hold.
     """
-    _hazcam.write_disparity(path, disparities(disparity))
+    _hazcam.write_disparity(path, in_pixels("disparity", disparity))

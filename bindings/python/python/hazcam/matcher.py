@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, SupportsIndex, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -62,11 +62,11 @@ class Matcher:
     def __init__(
         self,
         preset: Preset = "balanced",
-        max_disparity: int = 63,
+        max_disparity: SupportsIndex = 63,
         *,
-        min_disparity: int = 0,
-        threads: int | None = None,
-        memory: int | None = None,
+        min_disparity: SupportsIndex = 0,
+        threads: SupportsIndex | None = None,
+        memory: SupportsIndex | None = None,
         holes: Holes = "fill",
         without: Sequence[str] = (),
     ) -> None:
@@ -84,7 +84,9 @@ class Matcher:
             "without": without,
         }
 
-    def compute(self, left: Image, right: Image, box: ArrayLike | None = None) -> DisparityMap:
+    def compute(
+        self, left: NDArray[Any], right: NDArray[Any], box: ArrayLike | None = None
+    ) -> DisparityMap:
         """The disparity of every pixel of the left image.
 
         Parameters
@@ -102,7 +104,8 @@ class Matcher:
         Raises
         ------
         ArgumentError, ArgumentTypeError
-            For images that are no pair, and for a box that leaves them.
+            For images that are no pair, for a box that leaves them, and where no disparity of the
+            range has its match within them.
         FrameMemoryError
             For a frame that needs more memory than is allowed or there is.
 
@@ -136,15 +139,15 @@ class Matcher:
 
 
 def match(
-    left: Image,
-    right: Image,
-    max_disparity: int = 63,
+    left: NDArray[Any],
+    right: NDArray[Any],
+    max_disparity: SupportsIndex = 63,
     *,
     box: ArrayLike | None = None,
     preset: Preset = "balanced",
-    min_disparity: int = 0,
-    threads: int | None = None,
-    memory: int | None = None,
+    min_disparity: SupportsIndex = 0,
+    threads: SupportsIndex | None = None,
+    memory: SupportsIndex | None = None,
     holes: Holes = "fill",
     without: Sequence[str] = (),
 ) -> DisparityMap:

@@ -6,7 +6,6 @@ import warnings
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _hazcam
@@ -48,7 +47,7 @@ def score(
     truth: DisparityMap | NDArray[Any],
     *,
     box: ArrayLike | None = None,
-    mask: NDArray[np.bool_] | None = None,
+    mask: NDArray[Any] | None = None,
     max_disparity: float | None = None,
 ) -> Scores:
     """Scores a map of disparities against the truth.
@@ -57,7 +56,8 @@ def score(
     ----------
     disparity
         What a matcher answered, or an array of numbers with shape (rows, columns), in pixels. What
-        is not finite is a hole.
+        is not finite is a hole: of what OpenCV's matchers answer, sixteenths of a pixel, give
+        ``numpy.where(d < 16 * min_disparity, numpy.nan, d / 16)``.
     truth
         The true disparities, of the same shape. What is not finite is not known, and not scored;
         the course's two numbers leave out zeros as well.

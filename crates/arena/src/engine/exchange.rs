@@ -79,6 +79,7 @@ pub(super) fn remove(path: &Path) -> Result<(), FormatError> {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FormatError::Write {
             path: path.to_owned(),
             problem: format!("what is left of an earlier job cannot be removed: {error}"),
+            os_error: error.raw_os_error(),
             source: Some(error),
         }),
         _ => Ok(()),

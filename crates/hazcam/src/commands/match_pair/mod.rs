@@ -223,12 +223,12 @@ fn check_pair(args: &Args, left: &Image, right: &Image) -> anyhow::Result<()> {
 
 /// Errors when no disparity of the range has its match within images of so many columns.
 fn check_range(range: DisparityRange, columns: usize) -> anyhow::Result<()> {
-    let (min, max) = (i64::from(range.min()), i64::from(range.max()));
-    let last = columns as i64 - 1;
-    if min > last || max < -last {
+    if !range.meets(columns) {
+        let (min, max, last) = (range.min(), range.max(), columns - 1);
+        let within = if last > 0 { format!("within -{last} to {last}") } else { "0".to_owned() };
         bail!(
             "disparities {min} to {max} lie outside images of {columns} columns: nothing could be matched; give \
-             --min-disparity and --max-disparity within -{last} to {last}"
+             --min-disparity and --max-disparity {within}"
         );
     }
     Ok(())
