@@ -40,12 +40,14 @@ pub fn write_all_or_none<'a>(
 /// Writes a file as [`write_all_or_none`] does, but takes it away again: whatever would stop the
 /// real writing stops a program so before it has worked. Leaves nothing behind.
 pub fn try_to_write(path: &Path, write: &Writer<'_>) -> Result<(), FormatError> {
-    let place = match Place::of(path)? {
-        Some(place) => place,
-        // Beside a device or a pipe there is no place for files.
-        None => Place { target: std::env::temp_dir().join(name_of(path)?), permissions: None },
-    };
-    Passing::write(path, place, write).map(drop)
+    if let Some(place) = Place::of(path)? {
+        return Passing::write(path, place, write).map(drop);
+    }
+    // Beside a device or a pipe there is no place for files. Where there is none for temporary ones either, time tells.
+    match PassingFolder::beside(&std::env::temp_dir().join(name_of(path)?)) {
+        Ok(folder) => write(&folder.path().join(name_of(path)?)).map_err(|error| error.about(path)),
+        Err(_) => Ok(()),
+    }
 }
 
 /// A whole file that is not in its place yet.

@@ -5,10 +5,12 @@
 //! anyhow::Result<ExitCode>`, declare it in `commands/mod.rs`, and add one line to the table in
 //! [`commands!`] below.
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use anyhow::Context;
 use arena::interrupt;
+use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, Parser, Subcommand};
 
 use crate::commands;
@@ -107,6 +109,28 @@ fn unset_where_empty(argument: Arg) -> Arg {
     if value.is_some_and(|value| value.is_empty()) { argument.env(None::<&str>) } else { argument }
 }
 
+/// The variable that a value which is not allowed comes from: whose option nobody may have typed.
+fn variable_of(usage: &clap::Error, command: &clap::Command) -> Option<String> {
+    let told = |kind| match usage.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let (option, value) = (told(ContextKind::InvalidArg)?, told(ContextKind::InvalidValue)?);
+    let name = option.split([' ', '=']).next()?;
+    let is_typed =
+        |word: OsString| word.to_str().is_some_and(|word| word.split('=').next() == Some(name));
+    if std::env::args_os().any(is_typed) {
+        return None;
+    }
+    let all = command.get_subcommands().flat_map(clap::Command::get_arguments);
+    let is_it =
+        |argument: &&Arg| argument.get_long().is_some_and(|long| name == format!("--{long}"));
+    let mut variables = all.filter(is_it).filter_map(Arg::get_env);
+    let variable =
+        variables.find(|name| std::env::var_os(name).is_some_and(|found| found == value))?;
+    Some(variable.to_string_lossy().into_owned())
+}
+
 /// The commands with their descriptions under the headings of [`Command::GROUPS`].
 fn grouped(command: &clap::Command) -> String {
     let mut list = String::new();
@@ -134,6 +158,11 @@ pub fn main() -> ExitCode {
         Err(usage) => {
             // Help and version are no errors. If nobody reads them, so be it.
             let _ = usage.print();
+            if let Some(variable) = variable_of(&usage, &command()) {
+                Ui::new(false).note(format_args!(
+                    "the value comes from the variable {variable} of the environment"
+                ));
+            }
             return if usage.use_stderr() { ERROR.into() } else { ExitCode::SUCCESS };
         }
     };

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::grade::{Report, TestResult};
+use crate::submission::BEGINS_A_FORMULA;
 
 /// What a board keeps of one entrant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,9 +59,11 @@ impl<'a> From<&'a str> for Owner<'a> {
     }
 }
 
-/// Whether this can name an owner: 1 to 200 characters that can be seen.
+/// Whether this can name an owner: 1 to 200 characters that can be seen, and no formula where the list is opened as
+/// a spreadsheet: whoever names the file of a hand-in names its owner.
 pub fn is_owner(text: &str) -> bool {
     (1..=200).contains(&text.chars().count())
         && !text.chars().any(char::is_control)
         && text.trim() == text
+        && !text.starts_with(BEGINS_A_FORMULA)
 }

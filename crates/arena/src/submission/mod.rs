@@ -24,7 +24,7 @@ pub use finding::Finding;
 pub use python::Python;
 pub use runner::{Inspection, Runner};
 pub use secret_id::is_secret_id;
-pub(crate) use secret_id::{folded, look_alike};
+pub(crate) use secret_id::{BEGINS_A_FORMULA, folded, look_alike};
 
 /// One of the two parts of the course's assignment.
 #[derive(

@@ -5,6 +5,8 @@ use unicode_normalization::UnicodeNormalization;
 use unicode_normalization::char::is_combining_mark;
 use unicode_security::skeleton;
 
+/// A text that begins with one of these is a formula to spreadsheets.
+pub(crate) const BEGINS_A_FORMULA: [char; 4] = ['=', '+', '-', '@'];
 /// Accents that may follow one another.
 const MOST_MARKS: usize = 2;
 
@@ -16,7 +18,7 @@ pub fn is_secret_id(text: &str) -> bool {
     (4..=32).contains(&text.chars().count())
         && !text.chars().any(|c| c.is_control() || is_unseen(c))
         && text.trim() == text
-        && !text.starts_with(['=', '+', '-', '@'])
+        && !text.starts_with(BEGINS_A_FORMULA)
         && !text.starts_with(is_combining_mark)
         && marks.max().unwrap_or(0) <= MOST_MARKS
 }

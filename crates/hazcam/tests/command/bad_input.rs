@@ -312,3 +312,19 @@ fn a_picture_in_colours_is_no_disparity_map() {
     formats::write_image(folder.path("colours.png"), &image).unwrap();
     folder.refuses("score colours.png d.pfm", &["colours.png", "coloured picture"]);
 }
+
+#[test]
+fn a_variable_that_is_not_allowed_is_named() {
+    let folder = Folder::with_pair(24, 16);
+    let said = |arguments: &str| {
+        let mut command = folder.command();
+        command.args(arguments.split(' ')).env("HAZCAM_THREADS", "none");
+        String::from_utf8(command.output().unwrap().stderr).unwrap()
+    };
+    let line = "match left.png right.png -o d.pfm -d 4";
+    assert!(said(line).contains("'none' for '--threads <N>'"), "{}", said(line));
+    assert!(said(line).contains("the variable HAZCAM_THREADS"), "{}", said(line));
+    // Not where it was typed.
+    let typed = said(&format!("{line} --threads none"));
+    assert!(typed.contains("'none' for") && !typed.contains("HAZCAM_THREADS"), "{typed}");
+}

@@ -51,7 +51,12 @@ fn between(page: &str, name: &str, text: &str) -> Option<String> {
     let (begin, end) = (format!("<!-- {name} -->"), format!("<!-- /{name} -->"));
     let (before, rest) = page.split_once(&begin)?;
     let (_, after) = rest.split_once(&end)?;
-    Some(format!("{before}{begin}\n{text}{end}{after}"))
+    // The page keeps its ends of lines.
+    let (line, text) = match after.starts_with("\r\n") || rest.starts_with("\r\n") {
+        true => ("\r\n", text.replace('\n', "\r\n")),
+        false => ("\n", text.to_owned()),
+    };
+    Some(format!("{before}{begin}{line}{text}{end}{after}"))
 }
 
 /// The command line that is running, as a shell would take it, but for where its records go: no figure
@@ -111,6 +116,8 @@ mod tests {
         let new = format!("{other}<!-- speed -->\nnew\n<!-- /speed -->\ntail\n");
         assert_eq!(between(&page, "speed", "new\n").as_deref(), Some(new.as_str()));
         assert_eq!(between(&new, "speed", "new\n").as_deref(), Some(new.as_str()));
+        let [page, new] = [page, new].map(|text| text.replace('\n', "\r\n"));
+        assert_eq!(between(&page, "speed", "new\n").as_deref(), Some(new.as_str()));
         for page in
             ["", "<!-- speed -->", "<!-- /speed -->", "<!-- /speed --><!-- speed -->", other]
         {

@@ -64,7 +64,10 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     if !is_owner(owner.name()) {
         let owner = owner.name();
-        bail!("`{owner}` cannot name an owner: give 1 to 200 printable characters with --owner");
+        bail!(
+            "`{owner}` cannot name an owner: give 1 to 200 printable characters, the first of them none of = + - @, \
+             with --owner"
+        );
     }
     if let Some(id) = args.secret_id.as_ref().filter(|id| !is_secret_id(id)) {
         bail!(BoardError::Name(id.clone()));
