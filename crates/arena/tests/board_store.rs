@@ -98,6 +98,11 @@ fn names_are_changed_and_taken_off() {
     assert_eq!(board.pictures("removed by teacher").unwrap().len(), 1);
     assert!(matches!(board.rename("polite", "Removed by teacher"), Err(BoardError::Taken(_))));
     assert!(matches!(board.rename("polite", "x"), Err(BoardError::Name(_))));
+    // Another letter of the same picture: a Cyrillic o.
+    assert!(matches!(
+        board.rename("polite", "rem\u{43e}ved by teacher"),
+        Err(BoardError::Alike { .. })
+    ));
     board.remove("removed by teacher").unwrap();
     assert_eq!(names(&board), ["polite"]);
     let error = board.remove("removed by teacher").unwrap_err().to_string();

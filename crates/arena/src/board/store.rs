@@ -222,6 +222,8 @@ impl Board {
         if !is_secret_id(to) {
             return Err(BoardError::Name(to.to_owned()));
         }
+        let others = ("SELECT secret_id FROM entry WHERE folded != ?", &*folded(from));
+        nobody_looks_like(&self.connection, &self.path, to, others)?;
         let changed = self.connection.execute(
             "UPDATE entry SET secret_id = ?, folded = ? WHERE folded = ?",
             params![to, folded(to), folded(from)],
@@ -318,16 +320,8 @@ fn earlier(
     if holder.is_some_and(|holder| holder != owner.name()) {
         return Err(BoardError::Taken(id.to_owned()));
     }
-    let mut others = connection
-        .prepare("SELECT secret_id FROM entry WHERE owner != ?")
-        .map_err(|source| failure(path, source))?;
-    let others = others.query_map([owner.name()], |row| row.get::<_, String>(0));
-    for other in others.map_err(|source| failure(path, source))? {
-        let other = other.map_err(|source| failure(path, source))?;
-        if look_alike(&other, id) {
-            return Err(BoardError::Alike { id: id.to_owned(), other });
-        }
-    }
+    let others = ("SELECT secret_id FROM entry WHERE owner != ?", owner.name());
+    nobody_looks_like(connection, path, id, others)?;
     let before = ask("SELECT secret_id FROM entry WHERE owner = ?", owner.name())?;
     match (owner, before) {
         (Owner::Guessed(owner), Some(before)) if folded(&before) != key => {
@@ -335,6 +329,26 @@ fn earlier(
         }
         (_, before) => Ok(before),
     }
+}
+
+/// Errors when the secret ID of one of the others, whom a query with a parameter finds, could be taken for this one.
+fn nobody_looks_like(
+    connection: &Connection,
+    path: &Path,
+    id: &str,
+    (query, parameter): (&str, &str),
+) -> Result<(), BoardError> {
+    let failed = |source| failure(path, source);
+    let mut others = connection.prepare(query).map_err(failed)?;
+    let others = others.query_map([parameter], |row| row.get::<_, String>(0)).map_err(failed)?;
+    for other in others {
+        let other = other.map_err(failed)?;
+        // The same one is somebody's, which is told otherwise.
+        if folded(&other) != folded(id) && look_alike(&other, id) {
+            return Err(BoardError::Alike { id: id.to_owned(), other });
+        }
+    }
+    Ok(())
 }
 
 /// Writes an entry with all that belongs to it, in the place of its owner's earlier one.
