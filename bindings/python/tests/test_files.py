@@ -1,5 +1,8 @@
 """Files of the stereo community, between hazcam and others."""
 
+import struct
+import zlib
+
 import numpy as np
 import pytest
 
@@ -42,3 +45,21 @@ def test_pictures_are_read_as_they_are(tmp_path):
     read = hazcam.read_image(tmp_path / "colour.ppm")
     assert read.dtype == np.uint16
     np.testing.assert_array_equal(read, colour)
+
+
+def test_a_picture_that_is_to_be_turned_is_told(tmp_path):
+    # A PNG of one grey pixel.
+    picture = tmp_path / "turned.png"
+    exif = b"II*\0\x08\0\0\0\x01\0" + b"\x12\x01\x03\0\x01\0\0\0\x06\0\0\0" + bytes(4)
+    chunks = [
+        (b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 0, 0, 0, 0)),
+        (b"eXIf", exif),
+        (b"IDAT", zlib.compress(b"\0\x07")),
+        (b"IEND", b""),
+    ]
+    png = b"\x89PNG\r\n\x1a\n"
+    for name, data in chunks:
+        png += struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    picture.write_bytes(png)
+    with pytest.warns(hazcam.HazcamWarning, match="orientation 6"):
+        assert hazcam.read_image(picture).tolist() == [[7]]

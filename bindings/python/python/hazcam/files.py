@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _hazcam
 from .disparity_map import DisparityMap, in_pixels
+from .doubts import warn
 from .errors import HazcamWarning
 from .matcher import Image
 
@@ -19,11 +20,18 @@ def read_image(path: str | PathLike[str]) -> Image:
     """A picture as a matcher takes it: PNG, PGM/PPM, JPEG or TIFF, by content.
 
     uint8 or uint16 as the file has them, shape (rows, columns) for grey or (rows, columns, 3) for
-    red, green, blue. Alpha is dropped.
+    red, green, blue. Alpha is dropped. Warns (HazcamWarning) where EXIF says that the picture is to
+    be turned, which is not done.
 
     Raises MissingFileError, FileAccessError, FileContentError.
     """
-    return _hazcam.read_image(path)
+    image, orientation = _hazcam.read_image(path)
+    if orientation is not None:
+        warn(
+            f"{path}: its EXIF says that it is to be turned for a viewer (orientation {orientation}), which is not "
+            "done here, but by OpenCV and others: rows must be those along which the cameras stand"
+        )
+    return image
 
 
 def read_disparity(path: str | PathLike[str], encoding: str = "auto") -> NDArray[np.float32]:

@@ -16,6 +16,7 @@ impl fmt::Display for FileInfo {
                 rows,
                 bits,
                 stored,
+                orientation,
                 samples,
                 as_disparities,
                 ..
@@ -23,6 +24,12 @@ impl fmt::Display for FileInfo {
                 writeln!(f, "{path}: {} picture, {bytes} bytes", format.name())?;
                 writeln!(f, "  size         {columns} x {rows}")?;
                 writeln!(f, "  samples      {stored}, {bits} bit")?;
+                if let Some(orientation) = orientation {
+                    writeln!(
+                        f,
+                        "  orientation  {orientation} (EXIF), not applied: pixels are taken as they lie"
+                    )?;
+                }
                 write!(f, "  values       {samples}")?;
                 readings(f, as_disparities)
             }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::image::{self, Decoded};
 use crate::npy::{self, Array, Dtype};
 use crate::source::{Container, Source};
-use crate::{Calibration, Encoding, FormatError, calibration, pfm, tiff};
+use crate::{Calibration, Encoding, FormatError, calibration, exif_orientation, pfm, tiff};
 
 /// What a file holds. Displays as a few lines of text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,6 +43,8 @@ pub enum FileContent {
         bits: u8,
         /// How the samples are stored: `grey`, `colour with alpha` and so on.
         stored: &'static str,
+        /// How it is to be turned to be looked at, which is not done ([`exif_orientation`]).
+        orientation: Option<u8>,
         /// Over all channels, as decoded.
         samples: Statistics,
         /// For grey that may be a disparity map: the scales in use, and what they would make of it.
@@ -144,9 +146,9 @@ fn look_into(source: Source) -> Result<FileInfo, FormatError> {
         Some(Container::Pfm) => floats(Container::Pfm, &pfm::decode(&source)?),
         Some(Container::Tiff) => match tiff::decode(&source)? {
             tiff::Content::Floats(values) => floats(Container::Tiff, &values),
-            tiff::Content::Picture(decoded) => picture(Container::Tiff, &decoded),
+            tiff::Content::Picture(decoded) => picture(Container::Tiff, &decoded, &source),
         },
-        Some(container) => picture(container, &image::decode(&source, container)?),
+        Some(container) => picture(container, &image::decode(&source, container)?, &source),
         None => match calibration::parse(&source) {
             Ok(calibration) => FileContent::Calibration(calibration),
             Err(FormatError::WrongKind { .. }) => {
@@ -183,7 +185,8 @@ fn array(source: &Source) -> Result<FileContent, FormatError> {
     Ok(FileContent::Array { dtype, shape, values, as_box })
 }
 
-fn picture(format: Container, decoded: &Decoded) -> FileContent {
+fn picture(format: Container, decoded: &Decoded, source: &Source) -> FileContent {
+    let orientation = exif_orientation(&source.bytes);
     let Decoded { image, stored } = decoded;
     let (columns, rows) = image.size();
     let eight = |samples: &[u8]| Statistics::of(samples.iter().map(|&v| f64::from(v)));
@@ -210,6 +213,7 @@ fn picture(format: Container, decoded: &Decoded) -> FileContent {
         channels,
         bits: stored.bits,
         stored: stored.samples,
+        orientation,
         samples,
         as_disparities,
     }

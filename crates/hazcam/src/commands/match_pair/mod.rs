@@ -143,6 +143,11 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (mut left, left_read) = Input::read(&args.left)?;
     let (mut right, right_read) = Input::read(&args.right)?;
     check_pair(&args, &left, &right)?;
+    for (path, read) in [(&args.left, &left_read), (&args.right, &right_read)] {
+        if let Some(orientation) = read.orientation {
+            ui.note(doubts::of_orientation(path, orientation));
+        }
+    }
     if let Some(bits) = args.bits {
         [left, right] = bits::widened(bits, [(&args.left, left), (&args.right, right)])?;
     }
