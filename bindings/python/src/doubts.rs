@@ -82,7 +82,8 @@ fn of(doubt: Doubt, range: DisparityRange) -> String {
             "few pixels are matched, so this is to be doubted. Either `left` is not the \
              left image of the two (exchange them), or things lie outside disparities {min} to {max} \
              (raise `max_disparity`, lower `min_disparity`), or the two are no rectified pair of one \
-             scene (rectify them), or they have no texture"
+             scene (rectify them), or they have no texture, or so much of it that more effort is needed \
+             (preset 'best')"
         ),
         Doubt::Nearer(_) => format!(
             "many of the matched pixels lie at the largest disparity, {max}: there may be nearer \

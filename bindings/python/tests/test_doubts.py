@@ -32,7 +32,7 @@ def test_a_pair_of_which_hardly_anything_matches_is_doubted():
         "few pixels are matched, so this is to be doubted. Either `left` is not the left "
         "image of the two (exchange them), or things lie outside disparities -3 to 32 (raise "
         "`max_disparity`, lower `min_disparity`), or the two are no rectified pair of one scene "
-        "(rectify them), or they have no texture"
+        "(rectify them), or they have no texture, or so much of it that more effort is needed (preset 'best')"
     )
     matcher = hazcam.Matcher("balanced", 32, min_disparity=-3)
     assert told(lambda: matcher.compute(left, right)) == [expected]

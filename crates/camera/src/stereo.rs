@@ -120,13 +120,14 @@ impl StereoCamera {
         let Self { focal_px, baseline_m, .. } = *self;
         if focal_px < LEAST_FOCAL {
             Some(format!(
-                "the focal length is {focal_px} px, which is less than cameras have: is it in millimetres or metres? \
-                 Divide it by the width of a pixel"
+                "the focal length is {} px, which is less than cameras have: is it in millimetres or metres? \
+                 Divide it by the width of a pixel",
+                focal_px as f32
             ))
         } else if !BASELINES.contains(&baseline_m) {
             Some(format!(
-                "the baseline is {baseline_m} m, which is unusual: was it in metres (Middlebury's calib.txt: \
-                 millimetres)?"
+                "the baseline is {} m, which is unusual: was it in metres (Middlebury's calib.txt: millimetres)?",
+                baseline_m as f32
             ))
         } else {
             None

@@ -7,6 +7,9 @@ use raster::Plane;
 use crate::FormatError;
 use crate::numbers::Numbers;
 
+/// The largest depth that a `.png` of millimetres holds, in metres.
+pub const MOST_METRES_IN_PNG: f64 = 65.535;
+
 /// How depths stand in files.
 const DEPTHS: Numbers = Numbers {
     known: ".pfm, .npy (float32, metres), .png (16 bit, millimetres), .tiff (float32, metres)",

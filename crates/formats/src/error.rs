@@ -76,8 +76,9 @@ pub enum FormatError {
     },
     /// A pixel has a value that the format cannot hold.
     #[error(
-        "cannot write {}: the pixel at column {x}, row {y} is {value}, but {allowed}",
-        path.display()
+        "cannot write {}: the pixel at column {x}, row {y} is {}, but {allowed}",
+        path.display(),
+        *value as f32
     )]
     Unrepresentable {
         /// The file.

@@ -47,9 +47,9 @@ impl Counts {
                  OpenCV's -1 and 0 in pictures do, it must be NaN in this file"
             ),
             _ => format!(
-                "{said} of nothing in front of the cameras, so depths of the others are not to be trusted: give \
-                 the pair's --doffs (a pair that was cropped, turned inwards or exchanged has one), or exchange \
-                 left and right"
+                "{said} of nothing in front of the cameras{}: give the pair's own --doffs (a pair that was cropped, \
+                 turned inwards or exchanged has one), or exchange left and right",
+                if self.kept > 0 { ", so depths of the others are not to be trusted" } else { "" }
             ),
         })
     }

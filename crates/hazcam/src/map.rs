@@ -47,7 +47,17 @@ pub fn sha256_of(bytes: &[u8]) -> String {
 impl Map {
     /// Reads a map and says what had to be assumed.
     pub fn read(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Self> {
-        Ok(Self { path: path.to_owned(), disparities: disparities(path, encoding, ui)? })
+        let disparities = disparities(path, encoding, ui)?;
+        let (columns, most) =
+            (disparities.columns(), disparities.samples().iter().copied().fold(0.0, f32::max));
+        if most > columns as f32 {
+            ui.warn(format_args!(
+                "{}: disparities of up to {most} px in a map of {columns} columns: nothing is matched as far away; is it \
+                 a map of depth, or is another --encoding meant?",
+                path.display()
+            ));
+        }
+        Ok(Self { path: path.to_owned(), disparities })
     }
 
     /// The left image, for colours. Samples of 16 bits that use few of them would all be black: they are spread over

@@ -82,7 +82,7 @@ fn off_middle(camera: &StereoCamera, (columns, rows): (usize, usize)) -> Option<
     let StereoCamera { cx, cy, .. } = *camera;
     camera.is_off_middle((columns, rows)).then(|| {
         format!(
-            "the principal point, column {cx} and row {cy}, is far from the middle of the map of {columns} x {rows}, \
+            "the principal point, column {cx:.2} and row {cy:.2}, is far from the middle of the map of {columns} x {rows}, \
              and the file does not say of which size its images are: if they have another scale, depth is wrong; give \
              --focal, --baseline, --doffs and --principal at that of the map"
         )

@@ -87,10 +87,14 @@ fn cameras(f: &mut fmt::Formatter<'_>, calibration: &Calibration, bytes: u64) ->
         None => {}
     }
     for (which, camera) in pairs {
-        write!(f, "\n  focal length {} px{which}", camera.focal_px)?;
-        write!(f, "\n  baseline     {} m{which}", camera.baseline_m)?;
-        write!(f, "\n  centre       {}, {} px{which}", camera.cx, camera.cy)?;
-        write!(f, "\n  doffs        {} px{which}", camera.doffs)?;
+        // As many digits as tell numbers of 32 bits apart: of the others most come from products.
+        let [focal, baseline, cx, cy, doffs] =
+            [camera.focal_px, camera.baseline_m, camera.cx, camera.cy, camera.doffs]
+                .map(|n| n as f32);
+        write!(f, "\n  focal length {focal} px{which}")?;
+        write!(f, "\n  baseline     {baseline} m{which}")?;
+        write!(f, "\n  centre       {cx}, {cy} px{which}")?;
+        write!(f, "\n  doffs        {doffs} px{which}")?;
     }
     if let (Some(width), Some(height)) = (calibration.width, calibration.height) {
         write!(f, "\n  size         {width} x {height}")?;

@@ -83,7 +83,10 @@ impl Level {
             crate::MatchError::Option {
                 field: "HAZCAM_CPU",
                 value: format!("`{}`", name.display()),
-                allowed: format!("this processor has {}", names.join(", ")),
+                allowed: format!(
+                    "this processor has {}: set one of these, or none for the best",
+                    names.join(", ")
+                ),
             }
         })
     }

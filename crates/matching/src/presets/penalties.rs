@@ -15,11 +15,15 @@ const BEST: Penalties = Penalties { p1: 14, p2: 60, p2_least: 20, fall: 96, igno
 /// noise of up to this standard deviation where images are clean.
 const STEPS_OF_NOISE: f32 = 3.0;
 const LITTLE_NOISE: f32 = 3.3;
-/// In `balanced`, whose P2 falls fast, gravel leaves no P2 anywhere and the paths follow nothing. So where
+/// In `balanced`, whose P2 falls fast and far, gravel leaves no P2 anywhere and the paths follow nothing. So where
 /// the usual step from one matched pixel to the next is above this many grey levels, steps up to so many times
 /// what it exceeds them by say nothing.
 const LITTLE_TEXTURE: f32 = 6.0;
 const STEPS_OF_TEXTURE: f32 = 4.0;
+/// And P2 falls less far: for each grey level above this many by so much, at most by so much.
+const SOME_TEXTURE: f32 = 4.0;
+const LESS_FAR: f32 = 4.0;
+const LEAST_FAR: f32 = 24.0;
 
 /// Those of `balanced` or `best` for a left image with noise of this standard deviation, whose matched pixels
 /// are so many columns apart.
@@ -35,15 +39,14 @@ pub(super) fn penalties(
         return (Penalties { fall: 0, ..usual }, Work::default());
     }
     let of_noise = STEPS_OF_NOISE * (noise - LITTLE_NOISE).max(0.0);
-    let (of_texture, done) = match preset {
-        Preset::Balanced => {
-            let beyond = (usual_step(grey, apart) - LITTLE_TEXTURE).max(0.0);
-            (STEPS_OF_TEXTURE * beyond, texture::work(grey))
-        }
+    let (step, done) = match preset {
+        Preset::Balanced => (usual_step(grey, apart), texture::work(grey)),
         _ => (0.0, Work::default()),
     };
+    let of_texture = STEPS_OF_TEXTURE * (step - LITTLE_TEXTURE).max(0.0);
     let ignored = (of_noise + of_texture).round_ties_even() as u8;
-    (Penalties { ignored, ..usual }, done)
+    let raised = (LESS_FAR * (step - SOME_TEXTURE).max(0.0)).min(LEAST_FAR) as u8;
+    (Penalties { ignored, p2_least: usual.p2_least + raised, ..usual }, done)
 }
 
 #[cfg(test)]
@@ -81,11 +84,16 @@ mod tests {
     #[test]
     fn steps_of_gravel_count_less_in_balanced_alone() {
         let textured = |preset, most| of(preset, most, false);
-        assert_eq!(textured(Preset::Balanced, 10.0), BALANCED);
+        assert_eq!(textured(Preset::Balanced, 8.0), BALANCED);
         // Half of the steps are below 17.6.
         let gravel = textured(Preset::Balanced, 60.0);
         assert!((40..=56).contains(&gravel.ignored), "{gravel:?}");
-        assert_eq!(Penalties { ignored: 0, ..gravel }, BALANCED);
+        let least = BALANCED.p2_least + LEAST_FAR as u8;
+        assert_eq!(Penalties { ignored: 0, ..gravel }, Penalties { p2_least: least, ..BALANCED });
+        // Of 5 and a little more levels.
+        let sand = textured(Preset::Balanced, 19.0);
+        assert!((12..=16).contains(&sand.p2_least), "{sand:?}");
+        assert_eq!(Penalties { p2_least: 8, ..sand }, BALANCED);
         assert_eq!(textured(Preset::Best, 60.0), BEST);
     }
 

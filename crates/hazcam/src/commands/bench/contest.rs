@@ -1,5 +1,6 @@
 //! Engines against each other on the same scenes, with progress, and what comes of it.
 
+use anyhow::anyhow;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -59,7 +60,8 @@ impl Contest {
         let shown = ui.print(&output.shown(&records, self.reference.as_deref()));
         output.finish(&records, self.reference.as_deref())?;
         shown?;
-        if let Some(place) = output.place() {
+        let any_answered = records.iter().any(|record| record.status.message().is_none());
+        if let Some(place) = output.place(any_answered) {
             ui.note(place);
         }
         let is_own = |name: &str| {
@@ -69,6 +71,9 @@ impl Contest {
         let own_failed = records
             .iter()
             .any(|record| record.status.message().is_some() && is_own(&record.engine));
+        if own_failed {
+            ui.error(&anyhow!("a matcher of hazcam's own has not answered: its row says why"));
+        }
         let called = engines.called().chain(self.reference.as_deref());
         let ends = records.iter().map(|record| (&*record.engine, record.status.message()));
         let all_answered = tell_silent(called, &ends.collect::<Vec<_>>(), ui);

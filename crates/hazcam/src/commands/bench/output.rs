@@ -125,10 +125,11 @@ impl Output {
         Ok(())
     }
 
-    /// In words where the results lie, if they are kept.
-    pub fn place(&self) -> Option<String> {
+    /// In words where the results lie, if they are kept; of what nobody answered there are no pictures.
+    pub fn place(&self, any_answered: bool) -> Option<String> {
         let folder = self.folder.as_ref()?;
         let what = match (self.in_full, self.pictures) {
+            _ if !any_answered => "records are",
             (true, _) => "pictures, pages of points and records are",
             (false, true) => "pictures and records are",
             (false, false) => "records are",

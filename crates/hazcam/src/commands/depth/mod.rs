@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use camera::{DISPARITY_ERROR, StereoCamera};
-use formats::{Encoding, Point, write_depth, write_points};
+use formats::{Encoding, MOST_METRES_IN_PNG, Point, write_depth, write_points};
 use raster::Plane;
 
 use crate::arguments;
@@ -114,6 +114,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         max_depth: args.max_depth,
     };
     let (depths, counts) = kept::depths(&map.disparities, &camera, &limits);
+    check_uncertainty(&args, &camera, &depths)?;
 
     let points = args
         .points
@@ -129,6 +130,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.warn(doubt);
     }
     if confidence.is_none()
+        && counts.kept > 0
         && let Some(guesses) = map.guesses()
     {
         ui.note(format_args!(
@@ -141,6 +143,29 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         false => ui.print(&reach.text())?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Errors where depths are off by more than a picture of millimetres holds.
+fn check_uncertainty(
+    args: &Args,
+    camera: &StereoCamera,
+    depths: &Plane<f32>,
+) -> anyhow::Result<()> {
+    let is_png = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let Some(path) = args.uncertainty.as_ref().filter(is_png) else { return Ok(()) };
+    // Where `Z^2 e / (f B)` is as much.
+    let reach = MOST_METRES_IN_PNG * camera.focal_px * camera.baseline_m / args.disparity_error;
+    let most = depths.samples().iter().copied().fold(0.0, f32::max);
+    if f64::from(most) > reach.sqrt() {
+        bail!(
+            "--uncertainty {}: depths of more than {:.1} m are off by more than the {MOST_METRES_IN_PNG} m that a \
+             16-bit PNG of millimetres holds, and the farthest is {most:.1} m: write .pfm, .npy or .tiff, or leave \
+             out what is that far (--max-depth)",
+            path.display(),
+            reach.sqrt()
+        );
+    }
+    Ok(())
 }
 
 /// Every file that was asked for, and what goes into it.

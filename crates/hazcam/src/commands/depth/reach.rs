@@ -73,7 +73,8 @@ impl Reach {
             let disparity_px = camera.disparity(depth_m)?;
             Some(At { depth_m, disparity_px, error_m, error_share: error_m / depth_m })
         };
-        let worth = |at: &At| at.error_share <= MEANINGFUL;
+        let widest = depths.columns() as f64;
+        let worth = |at: &At| at.error_share <= MEANINGFUL && at.disparity_px <= widest;
         Self {
             camera: *camera,
             pixels,
@@ -110,7 +111,9 @@ impl Reach {
         ];
         let error = self.disparity_error_px;
         if !self.at.is_empty() {
-            lines.push(format!("what an error of {error} px in disparity is worth:"));
+            lines.push(format!(
+                "what an error of {error} px in disparity is worth, where that is less than half of the depth:"
+            ));
             lines.push("   depth m  disparity px    error m  error %".into());
             lines.extend(self.at.iter().map(
                 |At { depth_m, disparity_px, error_m, error_share }| {
@@ -135,7 +138,7 @@ impl Reach {
         let Counts { kept, without_disparity, behind, unsure, too_far } = self.pixels;
         let counts = [
             (without_disparity, "without a disparity"),
-            (behind, "whose disparity is of nothing in front of the cameras"),
+            (behind, "infinitely far or behind the cameras (disparity + doffs is not above 0)"),
             (unsure, "not sure enough"),
             (too_far, "too far away"),
         ];
@@ -164,12 +167,20 @@ fn span(depths: &Plane<f32>) -> Option<Span> {
     Some(Span { least, median, most })
 }
 
-/// 1, 2 and 5 times the powers of ten from the nearest to the farthest; if there is none, the median.
+/// So many rows tell how an error grows.
+const ROWS: usize = 3;
+
+/// 1, 2 and 5 times the powers of ten from the nearest to the farthest; where these are few, its ends and the median.
 fn round_depths(span: Span) -> Vec<f64> {
     let powers = span.least.log10().floor() as i32..=span.most.log10().ceil() as i32;
     let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|times| round(times, power)));
     let within: Vec<f64> = all.filter(|d| (span.least..=span.most).contains(d)).collect();
-    if within.is_empty() { vec![in_three_digits(span.median)] } else { within }
+    if within.len() >= ROWS {
+        return within;
+    }
+    let mut few = [span.least, span.median, span.most].map(in_three_digits).to_vec();
+    few.dedup();
+    few
 }
 
 /// A number above 0.

@@ -136,7 +136,10 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     }
     Ok(match args.fail_under {
         _ if report.grader_failed() => ERROR.into(),
-        Some(points) if report.points < points => THRESHOLD_FAILED.into(),
+        Some(points) if report.points < points => {
+            ui.fail(format_args!("{} points, under {points}", report.points));
+            THRESHOLD_FAILED.into()
+        }
         _ => ExitCode::SUCCESS,
     })
 }
