@@ -31,6 +31,12 @@ pub struct Map {
     pub disparities: Plane<f32>,
 }
 
+/// Disparities of more pixels are not believed in a map of so many columns. Matches lie within the image, but a map may
+/// be a part of it.
+pub fn widest(columns: usize) -> f32 {
+    (2 * columns.max(64)) as f32
+}
+
 /// The SHA-256 of a file in hexadecimal digits; none for a pipe, which can be read only once.
 pub fn sha256(path: &Path) -> io::Result<Option<String>> {
     if !fs::metadata(path)?.is_file() {
@@ -50,7 +56,7 @@ impl Map {
         let disparities = disparities(path, encoding, ui)?;
         let (columns, most) =
             (disparities.columns(), disparities.samples().iter().copied().fold(0.0, f32::max));
-        if most > columns as f32 {
+        if most > widest(columns) {
             ui.warn(format_args!(
                 "{}: disparities of up to {most} px in a map of {columns} columns: nothing is matched as far away; is it \
                  a map of depth, or is another --encoding meant?",

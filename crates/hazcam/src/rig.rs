@@ -172,7 +172,8 @@ mod tests {
         for (cx, cy) in [(607.2, 185.2), (309.5, -0.5), (-371.0, 93.5)] {
             let said = about(cx, cy).unwrap();
             assert!(
-                said.contains(&format!("column {cx} and row {cy}")) && said.contains("620 x 188"),
+                said.contains(&format!("column {cx:.2} and row {cy:.2}"))
+                    && said.contains("620 x 188"),
                 "{said}"
             );
         }

@@ -11,6 +11,8 @@ use super::error::DatasetError;
 
 /// What the protocol says where nothing else tells the range.
 pub const RANGE_BY_TRUTH: &str = "range by the largest true disparity";
+/// What a protocol says of a range that nothing states.
+pub const RANGE_BY_WIDTH: &str = "range: a quarter of the width";
 /// What the protocol calls it.
 const TRUTH_RIGHT: &str = "truth of the right view";
 
@@ -180,7 +182,7 @@ fn assumed_range(
             highest.ceil() as i32
         }
         None => {
-            protocol.push("range: a quarter of the width".into());
+            protocol.push(RANGE_BY_WIDTH.into());
             (columns / 4) as i32
         }
     };

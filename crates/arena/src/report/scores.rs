@@ -2,7 +2,7 @@
 
 use super::in_order;
 use super::table::{Cell, Column, Table};
-use crate::dataset::RANGE_BY_TRUTH;
+use crate::dataset::{RANGE_BY_TRUTH, RANGE_BY_WIDTH};
 use crate::engine::Status;
 use crate::record::Record;
 
@@ -89,13 +89,15 @@ pub const LEGEND: [&str; 6] = [
      answer; MB is its peak",
 ];
 
-/// Says on how many scenes matchers were told a range by the truth, if on any.
-pub fn ranges_by_truth(records: &[Record]) -> Option<String> {
-    let told = |record: &&Record| record.protocol.iter().any(|line| line == RANGE_BY_TRUTH);
-    let scenes = in_order(records.iter().filter(told).map(|record| record.case.as_str()));
-    (!scenes.is_empty()).then(|| {
-        format!("{RANGE_BY_TRUTH} on {} scenes, of which nothing else states one", scenes.len())
-    })
+/// Says on how many scenes matchers were told a range that nothing states, and where it comes from: a line for each way.
+pub fn assumed_ranges(records: &[Record]) -> Vec<String> {
+    let ways = [RANGE_BY_TRUTH, RANGE_BY_WIDTH].into_iter().filter_map(|way| {
+        let told = |record: &&Record| record.protocol.iter().any(|line| line == way);
+        let scenes = in_order(records.iter().filter(told).map(|record| record.case.as_str()));
+        let count = scenes.len();
+        (count > 0).then(|| format!("{way} on {count} scenes, of which nothing else states one"))
+    });
+    ways.collect()
 }
 
 /// What came of an engine that gave no answer.

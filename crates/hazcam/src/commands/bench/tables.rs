@@ -146,7 +146,7 @@ impl Tables<'_> {
             format!("{}, {}: repeated runs gave different disparities", record.case, record.engine)
         }));
         lines.extend(legend);
-        lines.extend(report::ranges_by_truth(self.records));
+        lines.extend(report::assumed_ranges(self.records));
         if !measures_cpu_time() {
             lines.push("this system tells neither CPU time nor memory of another process".into());
         }

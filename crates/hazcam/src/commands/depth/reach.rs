@@ -5,6 +5,7 @@ use raster::Plane;
 use serde::Serialize;
 
 use crate::kept::Counts;
+use crate::map::widest;
 
 /// Errors of the depth, as shares of it, that one asks for.
 const SHARES: [f64; 3] = [0.01, 0.05, 0.1];
@@ -73,7 +74,7 @@ impl Reach {
             let disparity_px = camera.disparity(depth_m)?;
             Some(At { depth_m, disparity_px, error_m, error_share: error_m / depth_m })
         };
-        let widest = depths.columns() as f64;
+        let widest = f64::from(widest(depths.columns()));
         let worth = |at: &At| at.error_share <= MEANINGFUL && at.disparity_px <= widest;
         Self {
             camera: *camera,
@@ -198,10 +199,12 @@ fn round(times: f64, power: i32) -> f64 {
 mod tests {
     use super::*;
 
-    fn reach(depths: Vec<f32>) -> Reach {
+    /// Of a map of 500 columns.
+    fn reach(mut depths: Vec<f32>) -> Reach {
         // f B = 200.
         let camera = StereoCamera::new(1000.0, 0.2, 10.0, 0.0, 0.0).unwrap();
-        let depths = Plane::new(depths.len(), 1, depths).unwrap();
+        depths.resize(500, f32::NAN);
+        let depths = Plane::new(500, 1, depths).unwrap();
         Reach::new(&camera, &depths, Counts { kept: 3, unsure: 2, ..Counts::default() }, 0.5)
     }
 
@@ -219,9 +222,12 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_between_round_depths_stands_at_its_median() {
-        let depths: Vec<f64> = reach(vec![3.0, 4.0, 4.5]).at.iter().map(|at| at.depth_m).collect();
-        assert_eq!(depths, [4.0]);
+    fn a_wall_between_round_depths_stands_at_its_ends_and_its_median() {
+        let depths = |of: Vec<f32>| reach(of).at.iter().map(|at| at.depth_m).collect::<Vec<f64>>();
+        assert_eq!(depths(vec![3.0, 4.0, 4.5]), [3.0, 4.0, 4.5]);
+        assert_eq!(depths(vec![4.0, 4.0, 4.5]), [4.0, 4.5]);
+        // What is nearer has its match far outside of the map.
+        assert_eq!(depths(vec![0.01, 0.19, 0.21]), [0.2]);
         assert_eq!(
             [5.771_158_2, 0.034_567, 98_765.4].map(in_three_digits),
             [5.77, 0.0346, 98_800.0]
