@@ -167,9 +167,10 @@ pub fn main() -> ExitCode {
         }
     };
     let ui = Ui::new(cli.quiet);
-    // What becomes another program stays as it was started.
+    // What becomes another program stays as it was started, and who started an engine clears up behind it, which may not
+    // even be allowed to wait for signals.
     let signals = match cli.command {
-        Command::SandboxExec(_) => Ok(()),
+        Command::SandboxExec(_) | Command::Engine(_) => Ok(()),
         _ => interrupt::clean_up_on_signals().context("cannot wait for signals"),
     };
     match signals.and_then(|()| cli.command.run(&ui)) {
