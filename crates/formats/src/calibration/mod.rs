@@ -162,8 +162,8 @@ pub fn write_calibration(
 pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
                   P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
-                  projection_matrix of ROS's right camera, or f= and baseline_m=; or give the \
-                  focal length in pixels and the baseline in metres";
+                  projection_matrix of ROS's right camera, or f=, cx0=, cx1=, cy= and baseline_m=; or \
+                  give the focal length in pixels and the baseline in metres";
     let text = match std::str::from_utf8(&source.bytes) {
         Ok(text) if text.len() as u64 <= LONGEST_TEXT => text,
         _ => return Err(source.wrong_kind("no short text", needed)),

@@ -46,8 +46,8 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
     let body = &text[text.find('\n').unwrap_or(text.len())..];
     let storage: Storage = yaml::read(entries, body)?;
     let (Some(left), Some(right)) = (storage.left, storage.right) else {
-        let problem = "P1 and P2, which stereoRectify gives, are not both there; without them \
-                       give the focal length in pixels and the baseline in metres";
+        let problem = "P1 and P2, which stereoRectify gives, are not both there (Q alone is not \
+                       read); without them give the focal length in pixels and the baseline in metres";
         return Err(entries.fail(None, problem.into()));
     };
     let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];

@@ -85,7 +85,7 @@ fn explanation(stages: &[Stage], limits: &Limits) -> String {
     let [most, least] = [pieces.clone().max(), pieces.min()].map(Option::unwrap_or_default);
     let copies = [most, least].map(|piece| {
         let rate = limits.bytes_per_second(piece) / 1e9;
-        format!("{rate:.1} GB/s with {:.1} MB at once", piece as f64 / 1e6)
+        format!("{rate:.1} GB/s with {:.3} MB at once", piece as f64 / 1e6)
     });
     format!(
         "MB: planes that are read or written; Mop: million operations on bytes, - where they are not \
