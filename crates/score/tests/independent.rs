@@ -242,6 +242,14 @@ fn kittis_numbers() {
         }
         close(scores.kitti.d1, all / pixels.len() as f64);
         close_or_both_none(scores.kitti.d1_est, (estimated > 0.0).then_some(wrong / estimated));
+        for out in &scores.kitti.out {
+            let is_out = |&&(x, y, _, t): &&(usize, usize, f64, f64)| {
+                let filled = kittis_fill(&case.estimate, x, y);
+                filled.is_none_or(|v| (f64::from(v) - t).abs() > out.threshold)
+            };
+            let wrong = pixels.iter().filter(is_out).count();
+            close(out.share, wrong as f64 / pixels.len() as f64);
+        }
         Ok(())
     });
 }

@@ -23,16 +23,7 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         true => entries.number("doffs")?,
         false => apart,
     };
-    if (doffs - apart).abs() > ROUNDED {
-        let remedy = match (doffs + apart).abs() > ROUNDED {
-            true => "one of them is wrong",
-            false => "are cam0, the left camera, and cam1 exchanged?",
-        };
-        let problem = format!(
-            "`doffs` is {doffs}, but the principal point of cam1 less that of cam0 is {apart}: {remedy}"
-        );
-        return Err(entries.fail(None, problem));
-    }
+    agree(entries, doffs, apart)?;
     let baseline_m = entries.number("baseline")? / 1000.0;
     let isint: Option<Flag> = entries.optional("isint", "0 or 1")?;
     let camera = entries.camera(cam0[0], baseline_m, doffs, cam0[2], cam0[5])?;
@@ -57,6 +48,21 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     })
 }
 
+/// Errors unless `doffs` is by how far the principal points are apart.
+fn agree(entries: &Entries<'_>, doffs: f64, apart: f64) -> Result<(), FormatError> {
+    if (doffs - apart).abs() <= ROUNDED {
+        return Ok(());
+    }
+    let remedy = match (doffs + apart).abs() > ROUNDED {
+        true => "one of them is wrong",
+        false => "are cam0, the left camera, and cam1 exchanged?",
+    };
+    let problem = format!(
+        "`doffs` is {doffs}, but the principal point of cam1 less that of cam0 is {apart}: {remedy}"
+    );
+    Err(entries.fail(None, problem))
+}
+
 /// `0` or `1`.
 struct Flag(bool);
 
@@ -79,6 +85,7 @@ pub(super) fn parse_lunar(entries: &Entries<'_>) -> Result<Calibration, FormatEr
         true => entries.number("doffs")?,
         false => cx1 - cx0,
     };
+    agree(entries, doffs, cx1 - cx0)?;
     let (focal, baseline) = (entries.number("f")?, entries.number("baseline_m")?);
     let camera = entries.camera(focal, baseline, doffs, cx0, entries.number("cy")?)?;
     Ok(Calibration::of(CalibrationLayout::Lunar, camera))
@@ -155,6 +162,12 @@ mod tests {
     fn broken_lines_are_named() {
         let changes = [
             ("baseline= 176.25", "", "`baseline` is missing"),
+            ("[1038.018 0 375.308;", "[1038.018 nan 375.308;", "row 1, column 2"),
+            (
+                "375.308; 0 1038.018 243.393",
+                "375.308; 0 1038.018 nan",
+                "principal points in the rows",
+            ),
             ("baseline= 176.25", "baseline= -1", "baseline in metres"),
             ("baseline= 176.25", "baseline= x", "`baseline` is `x`"),
             ("0 0 1 ]", "0 0 ]", "must be 9 numbers"),
@@ -189,5 +202,6 @@ mod tests {
         let without = read(&text.replace("doffs=33\n", "")).unwrap();
         assert_eq!(without.camera, expected);
         assert!(read(&text.replace("cy", "cz")).unwrap_err().contains("`cy` is missing"));
+        assert!(read(&text.replace("=33", "=0")).unwrap_err().contains("`doffs` is 0"));
     }
 }

@@ -334,7 +334,9 @@ impl<'a> Entries<'a> {
         ];
         for (at, expected) in fixed {
             for (name, number) in names.into_iter().zip(of_both(at)) {
-                if (number - expected).abs() > EXACT {
+                // Also where it is no number.
+                let holds = (number - expected).abs() <= EXACT;
+                if !holds {
                     let (row, column) = (at / second_row + 1, at % second_row + 1);
                     let problem = format!(
                         "{name} has {number} in row {row}, column {column}: the camera of a rectified pair has \
@@ -362,7 +364,8 @@ impl<'a> Entries<'a> {
         }
         self.square(name, [focal, matrices[0][second_row + 1]])?;
         let [row, of_other] = of_both(second_row + 2);
-        if (row - of_other).abs() > SAME_ROW {
+        let is_one = (row - of_other).abs() <= SAME_ROW;
+        if !is_one {
             let problem = format!(
                 "{name} and {other} have their principal points in the rows {row} and {of_other}: a \
                  rectified pair has them in one"

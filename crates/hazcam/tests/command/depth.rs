@@ -62,6 +62,20 @@ fn pictures_that_use_few_of_their_bits_have_colours_too() {
 }
 
 #[test]
+fn a_picture_of_uncertainties_says_how_far_it_reaches() {
+    let folder = folder();
+    // Z^2 e / 200: at 20 m 60 m, at 4 m 2.4 m.
+    let written = format!("depth d.pfm {CAMERA} --uncertainty u.png --disparity-error");
+    folder.run(&format!("{written} 30")).done();
+    let reach = "depths of more than 18.1 m are off by more than the 65.535 m";
+    folder.refuses(
+        &format!("{written} 40"),
+        &["--uncertainty u.png", reach, "the farthest is 20.0 m"],
+    );
+    folder.run(&format!("{written} 70 --max-depth 5")).done();
+}
+
+#[test]
 fn depth_its_uncertainty_and_points_are_written() {
     let folder = folder();
     folder.image("left.png", 5, 1, 0);

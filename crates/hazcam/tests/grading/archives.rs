@@ -28,6 +28,23 @@ fn archive(path: &Path, entries: &[(&str, EntryType, &str, &[u8])]) -> PathBuf {
 }
 
 #[test]
+fn folders_of_old_archives_are_marked_by_a_slash() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let folder = classroom.submission("handin", HONEST);
+    let files: Vec<(String, Vec<u8>)> = (fs::read_dir(&folder).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .map(|path| (format!("h/{}", path.file_name().unwrap().display()), fs::read(path).unwrap()))
+        .collect();
+    // Before there was a type for folders.
+    let old = EntryType::new(0);
+    let mut entries = vec![("h/", old, "", &b""[..])];
+    entries.extend(files.iter().map(|(name, content)| (&**name, old, "", &**content)));
+    let packed = archive(&classroom.path("old.tar"), &entries);
+    let report = classroom.grade(&packed, &[]);
+    assert_eq!(report.0["points"], 5.0, "{}", report.message(0));
+}
+
+#[test]
 fn a_packed_folder_is_graded_plain_or_compressed() {
     let Some(classroom) = Classroom::with_python() else { return };
     let folder = classroom.submission("handin", HONEST);

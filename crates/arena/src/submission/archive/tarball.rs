@@ -53,6 +53,8 @@ pub(super) fn unpack(reader: impl Read, unpacking: &Unpacking<'_>) -> Result<(),
         unpacking.check_count(count)?;
         let name = entry.path().map_err(unreadable)?.into_owned();
         let kind = match entry.header().entry_type() {
+            // As tar marked them before there was a type for them.
+            EntryType::Regular if entry.path_bytes().ends_with(b"/") => Kind::Folder,
             EntryType::Directory | EntryType::XGlobalHeader => Kind::Folder,
             EntryType::Symlink | EntryType::Link => Kind::Link,
             EntryType::Regular | EntryType::Continuous => Kind::File,

@@ -97,8 +97,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let inputs =
         [Some(&args.disparity), args.confidence.as_ref(), args.image.as_ref(), args.rig.file()];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-    let anyone = StereoCamera::new(1.0, 1.0, 0.0, 0.0, 0.0)?;
-    outputs::check(&all(&args, &anyone, &Plane::filled(1, 1, 1.0), &[]), &inputs)?;
+    let anything = Plane::filled(1, 1, 1.0);
+    outputs::check(&all(&args, [&anything, &anything], &[]), &inputs)?;
 
     let map = Map::read(&args.disparity, args.encoding, ui)?;
     let image = args.image.as_ref().map(|path| map.image(path, ui)).transpose()?;
@@ -120,12 +120,13 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         .points
         .as_ref()
         .map(|_| points::points(&map.disparities, &depths, &camera, image.as_ref()));
-    outputs::write_all_or_none(&all(
-        &args,
-        &camera,
-        &depths,
-        points.as_deref().unwrap_or_default(),
-    ))?;
+    let uncertainty = args
+        .uncertainty
+        .as_ref()
+        .map(|_| camera.depth_uncertainty_map(&depths, args.disparity_error))
+        .unwrap_or_default();
+    let points = points.as_deref().unwrap_or_default();
+    outputs::write_all_or_none(&all(&args, [&depths, &uncertainty], points))?;
     if let Some(doubt) = counts.doubt(&map.disparities, &camera) {
         ui.warn(doubt);
     }
@@ -171,8 +172,7 @@ fn check_uncertainty(
 /// Every file that was asked for, and what goes into it.
 fn all<'a>(
     args: &'a Args,
-    camera: &'a StereoCamera,
-    depths: &'a Plane<f32>,
+    [depths, uncertainty]: [&'a Plane<f32>; 2],
     points: &'a [Point],
 ) -> Vec<Output<'a>> {
     let mut all = Vec::new();
@@ -180,10 +180,7 @@ fn all<'a>(
         all.push(Output::new("--output", path, |path| write_depth(path, depths)));
     }
     if let Some(path) = &args.uncertainty {
-        let write = move |path: &Path| {
-            write_depth(path, &camera.depth_uncertainty_map(depths, args.disparity_error))
-        };
-        all.push(Output::new("--uncertainty", path, write));
+        all.push(Output::new("--uncertainty", path, |path| write_depth(path, uncertainty)));
     }
     if let Some(path) = &args.points {
         all.push(Output::new("--points", path, |path| write_points(path, points)));
