@@ -201,7 +201,7 @@ impl Session {
     }
 
     fn send(&mut self, message: &ToEngine, meter: &mut Meter) -> Result<(), Status> {
-        let mut line = serde_json::to_string(message).map_err(|error| Status::ProtocolError {
+        let mut line = serde_json::to_string(message).map_err(|error| Status::NotAsked {
             message: format!("the job cannot be put into a message: {error}"),
         })?;
         line.push('\n');
@@ -212,7 +212,7 @@ impl Session {
                 line.len(),
                 protocol::LINE_LIMIT
             );
-            return Err(Status::ProtocolError { message });
+            return Err(Status::NotAsked { message });
         }
         let sent = self.told.as_ref().is_some_and(|told| told.send(line).is_ok());
         if sent { Ok(()) } else { Err(self.crashed(meter)) }

@@ -108,12 +108,18 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
                 return;
             }
             Ok(count) => {
-                // A line longer than a message may be is no message: its pieces are chatter.
+                // A line longer than a message may be is no message, and its further pieces are chatter. If it was to be
+                // one, nothing else may come.
                 let begins = !goes_on;
                 goes_on = !line.ends_with(b"\n");
-                let whole = begins && !(goes_on && count == LINE_LIMIT);
-                let text = std::str::from_utf8(&line).ok().filter(|_| whole);
+                let too_long = goes_on && count == LINE_LIMIT;
+                let text = std::str::from_utf8(&line).ok().filter(|_| begins && !too_long);
                 match text.map_or(Line::Chatter, parse_line) {
+                    Line::Chatter if begins && too_long && line.starts_with(b"{\"hazcam\"") => {
+                        Heard::Broken(format!(
+                            "a message has at most {LINE_LIMIT} bytes, and this one has more"
+                        ))
+                    }
                     Line::Message(message) => Heard::Message(message),
                     Line::Broken(why) => Heard::Broken(why),
                     Line::Chatter => {
@@ -153,12 +159,15 @@ mod tests {
         let message = "{\"hazcam\":\"done\",\"job\":1}";
         let behind = format!("{}{message}\n", ".".repeat(LINE_LIMIT));
         let before = format!("{message}{}.\n", " ".repeat(LINE_LIMIT - message.len()));
-        for line in [behind, before] {
+        let done = || Heard::Message(FromEngine::Done { job: 1, seconds: None });
+        let heard = |line: String| -> Vec<Heard> {
             let output = std::io::Cursor::new(format!("{line}{message}\n"));
-            let heard: Vec<_> = listen(output, Log::default()).iter().collect();
-            let done = Heard::Message(FromEngine::Done { job: 1, seconds: None });
-            assert_eq!(heard, [done, Heard::Closed]);
-        }
+            listen(output, Log::default()).iter().collect()
+        };
+        assert_eq!(heard(behind), [done(), Heard::Closed]);
+        // What was to be one is not waited for.
+        let broken = "a message has at most 65536 bytes, and this one has more".to_owned();
+        assert_eq!(heard(before), [Heard::Broken(broken), done(), Heard::Closed]);
     }
 
     #[test]
