@@ -67,8 +67,6 @@ pub fn read_calibration(
     let path = self::path("path", path)?;
     let left = (!left.is_none()).then(|| self::path("left", left)).transpose()?;
     let read = detached(py, || formats::read_calibration(path))?.map_err(of_file)?;
-    // Its folder tells, which a name from there does not have; the file itself may lie elsewhere.
-    let place = left.map(|left| formats::in_its_folder(&left).unwrap_or(left));
-    let camera = place.map_or(read.camera, |place| read.camera_of(place));
+    let camera = left.map_or(read.camera, |left| read.camera_of(left));
     Ok((numbers(&camera), read.width.zip(read.height)))
 }

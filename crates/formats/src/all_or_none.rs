@@ -44,8 +44,9 @@ pub fn try_to_write(path: &Path, write: &Writer<'_>) -> Result<(), FormatError> 
         return Passing::write(path, place, write).map(drop);
     }
     // Beside a device or a pipe there is no place for files. Where there is none for temporary ones either, time tells.
-    match PassingFolder::beside(&std::env::temp_dir().join(name_of(path)?)) {
-        Ok(folder) => write(&folder.path().join(name_of(path)?)).map_err(|error| error.about(path)),
+    let name = name_of(path)?;
+    match PassingFolder::beside(&std::env::temp_dir().join(name)) {
+        Ok(folder) => write(&folder.path().join(name)).map_err(|error| error.about(path)),
         Err(_) => Ok(()),
     }
 }

@@ -92,7 +92,7 @@ pub fn destination(path: &Path) -> io::Result<PathBuf> {
 /// The path of a file by its folder without links and `..`; the file itself may be a link, or not be there.
 ///
 /// Errors when the folder does not exist or `path` names no file.
-pub fn in_its_folder(path: &Path) -> io::Result<PathBuf> {
+pub(crate) fn in_its_folder(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     Ok(fs::canonicalize(folder_of(path))?.join(name))
 }

@@ -102,7 +102,7 @@ mod tiff;
 mod view;
 
 pub use all_or_none::{Writer, try_to_write, write_all_or_none};
-pub use atomic::{destination, in_its_folder, write_atomically};
+pub use atomic::{destination, write_atomically};
 pub use bounding_box::{parse_bounding_box, read_bounding_box};
 pub use calibration::{Calibration, CalibrationLayout, read_calibration, write_calibration};
 pub use depth::{MOST_METRES_IN_PNG, write_depth};

@@ -130,11 +130,8 @@ fn calibrated(
         ui.note(format_args!("{}: {doubt}", path.display()));
     }
     Ok(match image {
-        // Its folder tells, which a name from there does not have; the file itself may lie elsewhere.
         Some(image) => {
-            let place = formats::in_its_folder(image);
-            let place = place.as_deref().unwrap_or(image);
-            if let Some([left, right]) = calibration.lacks_pair_of(place) {
+            if let Some([left, right]) = calibration.lacks_pair_of(image) {
                 ui.note(format_args!(
                     "{}: {left} and {right}, of the pair that {} belongs to by its folder, are not both there: the \
                      cameras of the other pair were taken, whose baseline differs by about a per cent",
@@ -142,7 +139,7 @@ fn calibrated(
                     image.display()
                 ));
             }
-            calibration.camera_of(place)
+            calibration.camera_of(image)
         }
         None => {
             if calibration.colour_camera.is_some_and(|colour| colour != calibration.camera) {

@@ -18,12 +18,7 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     let cam0: [f64; 9] = entries.numbers("cam0")?;
     let cam1: [f64; 9] = entries.numbers("cam1")?;
     entries.rectified(["cam0", "cam1"], &[cam0, cam1])?;
-    let apart = cam1[2] - cam0[2];
-    let doffs = match entries.has("doffs") {
-        true => entries.number("doffs")?,
-        false => apart,
-    };
-    agree(entries, doffs, apart)?;
+    let doffs = doffs(entries, cam1[2] - cam0[2])?;
     let baseline_m = entries.number("baseline")? / 1000.0;
     let isint: Option<Flag> = entries.optional("isint", "0 or 1")?;
     let camera = entries.camera(cam0[0], baseline_m, doffs, cam0[2], cam0[5])?;
@@ -48,10 +43,14 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     })
 }
 
-/// Errors unless `doffs` is by how far the principal points are apart.
-fn agree(entries: &Entries<'_>, doffs: f64, apart: f64) -> Result<(), FormatError> {
+/// By how far the principal points are apart, as `doffs` says it where it is there. Errors where it says something else.
+fn doffs(entries: &Entries<'_>, apart: f64) -> Result<f64, FormatError> {
+    if !entries.has("doffs") {
+        return Ok(apart);
+    }
+    let doffs = entries.number("doffs")?;
     if (doffs - apart).abs() <= ROUNDED {
-        return Ok(());
+        return Ok(doffs);
     }
     let remedy = match (doffs + apart).abs() > ROUNDED {
         true => "one of them is wrong",
@@ -80,12 +79,8 @@ impl FromStr for Flag {
 
 /// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
 pub(super) fn parse_lunar(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
-    let (cx0, cx1) = (entries.number("cx0")?, entries.number("cx1")?);
-    let doffs = match entries.has("doffs") {
-        true => entries.number("doffs")?,
-        false => cx1 - cx0,
-    };
-    agree(entries, doffs, cx1 - cx0)?;
+    let cx0 = entries.number("cx0")?;
+    let doffs = doffs(entries, entries.number("cx1")? - cx0)?;
     let (focal, baseline) = (entries.number("f")?, entries.number("baseline_m")?);
     let camera = entries.camera(focal, baseline, doffs, cx0, entries.number("cy")?)?;
     Ok(Calibration::of(CalibrationLayout::Lunar, camera))

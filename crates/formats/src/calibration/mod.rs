@@ -21,7 +21,7 @@ use camera::StereoCamera;
 use raster::DisparityRange;
 
 use crate::FormatError;
-use crate::atomic::write_atomically;
+use crate::atomic::{in_its_folder, write_atomically};
 use crate::source::{LONGEST_TEXT, Source};
 
 /// What a calibration file says.
@@ -112,6 +112,9 @@ impl Calibration {
 
 /// Whether a left image of KITTI's belongs to the colour pair or to the grey one, where its folder tells.
 fn is_colour(left: &Path) -> Option<bool> {
+    // A name from the folder itself does not have it; the file may be a link from elsewhere, or not be there.
+    let placed = in_its_folder(left);
+    let left = placed.as_deref().unwrap_or(left);
     let folder = left.parent().map(|parent| match parent.file_name() {
         Some(name) if name == "data" => parent.parent().unwrap_or(parent),
         _ => parent,

@@ -224,8 +224,8 @@ impl Pipeline for Fast {
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
         let (bounds, (width, height)) = (widened(frame).bounds, frame.size());
         let (columns, rows) = (bounds.columns(), bounds.rows());
-        let grey = memory::grey(frame.left) + memory::grey(frame.right);
-        let grey = grey + memory::upper_bits(frame.left);
+        let grey =
+            memory::grey(frame.left) + memory::grey(frame.right) + memory::upper_bits(frame.left);
         let space = SearchSpace::new(width, bounds, frame.range);
         (memory::ANSWER + grey) * width * height
             + size_of::<u16>() * columns * rows
