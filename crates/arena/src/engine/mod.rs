@@ -12,6 +12,7 @@
 //!
 //! Whatever goes wrong becomes a [`Status`], never the end of a run.
 
+mod attempt;
 mod definition;
 pub mod exchange;
 mod launch;
@@ -26,6 +27,7 @@ mod talk;
 mod usage;
 mod worker;
 
+pub use attempt::Attempt;
 pub use definition::{Definition, DefinitionError, Engines, Kind};
 pub use exchange::{Answer, Pair, write_answer};
 pub use launch::Programs;
@@ -35,4 +37,4 @@ pub use serve::serve;
 pub use session::Session;
 pub use status::Status;
 pub use usage::{Usage, measures_cpu_time};
-pub use worker::{Attempt, Worker};
+pub use worker::Worker;

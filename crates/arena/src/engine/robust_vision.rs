@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use formats::{Encoding, read_disparity, write_image};
 
+use super::attempt::Attempt;
 use super::exchange::{self, Answer, Pair};
 use super::limits::Limits;
 use super::process::{self, Exit};
@@ -18,16 +19,6 @@ use super::usage::{Meter, Usage};
 /// How often the limits are looked at.
 const POLL: Duration = Duration::from_millis(5);
 
-/// What came of one pair.
-pub(crate) struct Finished {
-    pub status: Status,
-    pub usage: Usage,
-    pub answer: Option<Answer>,
-    /// The time that the program claims, in seconds.
-    pub claimed_seconds: Option<f64>,
-    pub log: String,
-}
-
 /// Runs the program on one pair. Everything of the process counts, its start included, since the
 /// convention knows no other moment. Of one that ends before it is first looked at the memory is not known.
 pub(crate) fn run(
@@ -35,7 +26,7 @@ pub(crate) fn run(
     scratch: &Path,
     pair: &Pair<'_>,
     limits: Limits,
-) -> Finished {
+) -> Attempt {
     let log = Log::default();
     let mut usage = Usage::default();
     let outcome = prepare(&mut command, scratch, pair)
@@ -48,7 +39,7 @@ pub(crate) fn run(
         Ok((answer, claimed)) => (Status::Done, Some(answer), claimed),
         Err(status) => (status, None, None),
     };
-    Finished { status, usage, answer, claimed_seconds, log: log.text() }
+    Attempt { status, usage, answer, claimed_seconds, log: log.text() }
 }
 
 /// Writes the images, empties the folder for the answer, and completes the command.

@@ -1,10 +1,10 @@
 //! An engine at work: one process for many pairs, started again after a crash.
 
 use std::io;
-use std::path::Path;
 
+use super::attempt::Attempt;
 use super::definition::{Definition, Kind};
-use super::exchange::{self, Answer, Pair};
+use super::exchange::{self, Pair};
 use super::launch::{self, Programs};
 use super::limits::Limits;
 use super::robust_vision;
@@ -12,21 +12,6 @@ use super::session::Session;
 use super::status::Status;
 use super::usage::Usage;
 use crate::interrupt::Scratch;
-
-/// What came of one pair.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Attempt {
-    /// How it ended.
-    pub status: Status,
-    /// What was used between sending the job and its end.
-    pub usage: Usage,
-    /// The answer; there is one exactly when the status is [`Status::Done`].
-    pub answer: Option<Answer>,
-    /// How long the engine itself says that the matching took, in seconds, if it does.
-    pub claimed_seconds: Option<f64>,
-    /// What it said besides messages, its last 16 KiB.
-    pub log: String,
-}
 
 /// Runs one engine on one pair after the other, in a scratch folder of its own.
 #[derive(Debug)]
@@ -178,20 +163,6 @@ impl Worker {
             Ok(command) => command,
             Err(status) => return Attempt::without_answer(status, Usage::default()),
         };
-        let scratch: &Path = self.scratch.path();
-        let finished = robust_vision::run(command, scratch, pair, self.limits);
-        Attempt {
-            status: finished.status,
-            usage: finished.usage,
-            answer: finished.answer,
-            claimed_seconds: finished.claimed_seconds,
-            log: finished.log,
-        }
-    }
-}
-
-impl Attempt {
-    fn without_answer(status: Status, usage: Usage) -> Self {
-        Self { status, usage, answer: None, claimed_seconds: None, log: String::new() }
+        robust_vision::run(command, self.scratch.path(), pair, self.limits)
     }
 }
