@@ -323,6 +323,29 @@ fn files_that_do_not_belong_together_are_named() {
 }
 
 #[test]
+fn a_box_that_leaves_the_images_is_named() {
+    let root = tempfile::tempdir().unwrap();
+    for side in ["left", "right"] {
+        grey8(&root.path().join(format!("{side}.png")), 9);
+    }
+    let bounds = Plane::new(2, 2, vec![3i32, 20, 1, 8]).unwrap();
+    npy::write(root.path().join("far.npy"), &bounds).unwrap();
+    let scene = r#"{"id": "a", "left": "left.png", "right": "right.png", "box": "far.npy", "use": "tuning"}"#;
+    fs::write(root.path().join("scenes.json"), format!("[{scene}]")).unwrap();
+    let error = dataset::open(root.path()).unwrap()[0].load().unwrap_err().to_string();
+    assert!(error.contains("far.npy: the box 3,1,20,8 leaves the image of 20 x 10"), "{error}");
+}
+
+#[test]
+fn what_a_file_system_keeps_for_itself_holds_no_scenes() {
+    let root = tempfile::tempdir().unwrap();
+    for side in ["left", "right"] {
+        grey8(&root.path().join("lost+found").join(format!("{side}.png")), 9);
+    }
+    assert!(matches!(dataset::open(root.path()), Err(DatasetError::NoScenes { .. })));
+}
+
+#[test]
 fn two_scenes_by_one_id_are_named() {
     let root = tempfile::tempdir().unwrap();
     for folder in ["a/s", "a/training/s"] {

@@ -100,9 +100,17 @@ pub enum DatasetError {
         /// What the left one is.
         left_kind: String,
     },
-    /// The box or the range makes no sense for the images.
+    /// The box of a file leaves the images.
+    #[error("{}: {source}", path.display())]
+    Box {
+        /// The box's file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: BoundsError,
+    },
+    /// The range makes no sense.
     #[error(transparent)]
-    Bounds(#[from] BoundsError),
+    Range(#[from] BoundsError),
     /// A scene cannot be rendered.
     #[error("{0}")]
     Rendering(String),

@@ -42,7 +42,8 @@ pub(super) fn files(
     let bounds = match &files.bounds {
         Some(path) => {
             let bounds = read_bounding_box(path)?;
-            bounds.check_within(size.0, size.1)?;
+            let within = bounds.check_within(size.0, size.1);
+            within.map_err(|source| DatasetError::Box { path: path.clone(), source })?;
             protocol.push(format!("box {bounds} (inclusive), {}", name(path)));
             bounds
         }

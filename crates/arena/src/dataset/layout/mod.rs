@@ -103,7 +103,10 @@ fn visit(
     Ok(())
 }
 
-/// The names in a folder, sorted; hidden ones and links to folders are left out.
+/// What a file system keeps for itself at its root: nobody else may look into it.
+const OF_THE_SYSTEM: [&str; 2] = ["lost+found", "System Volume Information"];
+
+/// The names in a folder, sorted; hidden ones, the system's own and links to folders are left out.
 fn read(path: &Path, name: String) -> Result<Folder, DatasetError> {
     let failed = |source| DatasetError::Read { path: path.to_owned(), source };
     let (mut files, mut folders) = (Vec::new(), Vec::new());
@@ -112,7 +115,7 @@ fn read(path: &Path, name: String) -> Result<Folder, DatasetError> {
         let Ok(name) = entry.file_name().into_string() else { continue };
         let kind = entry.file_type().map_err(failed)?;
         let is_link_to_folder = || kind.is_symlink() && entry.path().is_dir();
-        if name.starts_with('.') || is_link_to_folder() {
+        if name.starts_with('.') || OF_THE_SYSTEM.contains(&&*name) || is_link_to_folder() {
             continue;
         } else if kind.is_dir() {
             folders.push(name);
