@@ -10,7 +10,7 @@ use formats::markup::escaped;
 pub(super) fn section(page: &BoardPage<'_>) -> String {
     let test = &page.holdout.test;
     let bonus = BONUS.map(|points| points.to_string()).join(", ");
-    let tests = page.standings.first().map(|each| tests(&each.entry.report)).unwrap_or_default();
+    let tests = tests(&page.standings.iter().map(|each| &each.entry.report).collect::<Vec<_>>());
     let reveals = match page.reveals_holdout {
         true => "",
         false => " Its pictures are not shown while entries are still taken.",
@@ -42,11 +42,12 @@ pub(super) fn section(page: &BoardPage<'_>) -> String {
     )
 }
 
-fn tests(report: &Report) -> String {
-    let rows: String = report
-        .tests
-        .iter()
-        .map(|test| {
+/// The tests, which are the same for all; within which CPU time, every entrant was graded by their own scheme.
+fn tests(reports: &[&Report]) -> String {
+    let Some(first) = reports.first() else { return String::new() };
+    let rows: String = (first.tests.iter().enumerate())
+        .map(|(i, test)| {
+            let limits = reports.iter().filter_map(|report| report.tests.get(i));
             format!(
                 "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
                  <td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
@@ -54,7 +55,7 @@ fn tests(report: &Report) -> String {
                 test.max_points,
                 test.max_e_rms,
                 test.max_p_bad,
-                test.cpu_limit_seconds
+                least_to_most(limits.map(|test| test.cpu_limit_seconds)),
             )
         })
         .collect();
@@ -68,9 +69,27 @@ fn tests(report: &Report) -> String {
     )
 }
 
+/// One number where all are the same.
+fn least_to_most(values: impl Iterator<Item = f64>) -> String {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (least, most) = values.fold(ends, |(least, most), v| (v.min(least), v.max(most)));
+    if least == most { most.to_string() } else { format!("{least} to {most}") }
+}
+
 fn legend() -> String {
     let item = |([r, g, b], text): ([u8; 3], String)| {
         format!("<li><span style=\"background: rgb({r} {g} {b})\"></span>{text}</li>")
     };
     log_error_legend().into_iter().map(item).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_that_not_all_had_is_told_from_the_least_to_the_most() {
+        assert_eq!(least_to_most([60.0, 60.0].into_iter()), "60");
+        assert_eq!(least_to_most([60.0, 7.5, 120.0].into_iter()), "7.5 to 120");
+    }
 }
