@@ -23,7 +23,7 @@ fn line(cells: impl Iterator<Item = String>) -> String {
 }
 
 /// A field of a CSV file (RFC 4180): in quotes where it needs them.
-pub fn quoted(field: &str) -> String {
+fn quoted(field: &str) -> String {
     match field.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", field.replace('"', "\"\"")),
         false => field.to_owned(),

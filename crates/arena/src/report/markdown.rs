@@ -7,7 +7,7 @@ impl Table {
     /// name may not be HTML on the page that shows the table.
     pub fn to_markdown(&self) -> String {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-        let mut text = line(self.columns.iter().map(|column| escaped(&column.name)).collect());
+        let mut text = line(self.columns.iter().map(|column| in_markdown(&column.name)).collect());
         let rules = (0..self.columns.len()).map(|i| {
             match self.rows.iter().any(|row| matches!(row[i], Cell::Number(..))) {
                 true => "---:".to_owned(),
@@ -16,14 +16,14 @@ impl Table {
         });
         text.push_str(&line(rules.collect()));
         for row in self.shown_rows() {
-            text.push_str(&line(row.iter().map(|cell| escaped(cell)).collect()));
+            text.push_str(&line(row.iter().map(|cell| in_markdown(cell)).collect()));
         }
         text
     }
 }
 
-/// A cell in which nothing ends the cell, is HTML, a link, a picture or emphasis.
-fn escaped(cell: &str) -> String {
+/// Text in which nothing ends a table's cell, is HTML, a link, a picture or emphasis.
+pub fn in_markdown(cell: &str) -> String {
     let mut text = String::new();
     for (at, letter) in cell.char_indices() {
         match letter {
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_stand_right_and_bars_are_escaped() {
+    fn numbers_stand_right_and_bars_are_in_markdown() {
         let table = Table {
             columns: vec![Column::new("a"), Column::new("b")],
             rows: vec![vec![Cell::text("x|y"), Cell::Number(0.5, 2)]],
@@ -79,7 +79,7 @@ mod tests {
             (r"a\|b", r"a\\\|b"),
             ("playground_1l: 0.5", "playground_1l: 0.5"),
         ] {
-            assert_eq!(escaped(name), shown);
+            assert_eq!(in_markdown(name), shown);
         }
     }
 }

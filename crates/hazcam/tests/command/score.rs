@@ -39,10 +39,10 @@ fn json_holds_numbers_and_protocols() {
 fn csv_and_markdown_hold_the_same_numbers() {
     let folder = folder();
     let csv = folder.run("score d.pfm truth.pfm --format csv").done().stdout;
-    assert!(csv.starts_with("estimate,truth,measure,value,unit,protocol\n"));
+    assert!(csv.starts_with("estimate,truth,measure,value,unit,protocol\r\n"));
     assert!(csv.contains("\nd.pfm,truth.pfm,p_bad,0.5,share,\"course: 4 pixels"), "{csv}");
     let markdown = folder.run("score d.pfm truth.pfm --format markdown").done().stdout;
-    assert!(markdown.contains("| p_bad [1] | 0.5000 |"), "{markdown}");
+    assert!(markdown.contains("| p_bad (1) | 0.5000 |"), "{markdown}");
     assert!(markdown.contains("\n1. course: 4 pixels"), "{markdown}");
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use arena::report::quoted;
+use arena::report::{Cell, Column, Table, in_markdown};
 use formats::Encoding;
 use score::{Measure, Scores, Sparsification, Unit};
 use serde::{Serialize, Serializer};
@@ -156,46 +156,49 @@ impl Report {
     }
 
     fn csv(&self) -> String {
-        let mut text = String::from("estimate,truth,measure,value,unit,protocol\n");
+        let columns = ["estimate", "truth", "measure", "value", "unit", "protocol"];
+        let mut table = Table { columns: columns.map(Column::new).into(), rows: Vec::new() };
+        let [estimate, truth] =
+            [&self.estimate, &self.truth].map(|map| map.path.display().to_string());
         for (protocol, rows) in self.families() {
-            for row in rows {
-                let value = row.value.map(|v| v.to_string()).unwrap_or_default();
-                let unit = match row.unit {
+            for Row { name, value, unit } in rows {
+                let unit = match unit {
                     Unit::Pixels => "px",
                     Unit::Share => "share",
                 };
-                let fields = [
-                    &self.estimate.path.display().to_string(),
-                    &self.truth.path.display().to_string(),
-                    row.name,
-                    &value,
-                    unit,
-                    protocol,
-                ];
-                text.push_str(&fields.map(quoted).join(","));
-                text.push('\n');
+                let [estimate, truth] = [&estimate, &truth].map(Cell::text);
+                let (name, value) = (Cell::text(name), Cell::number(value, 0));
+                table.push(vec![
+                    estimate,
+                    truth,
+                    name,
+                    value,
+                    Cell::text(unit),
+                    Cell::text(protocol),
+                ]);
             }
         }
-        text
+        table.to_csv()
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!(
-            "{} against {}, {} pixels, {} holes\n\n| measure | value |\n| --- | ---: |\n",
-            self.estimate.describe(),
-            self.truth.describe(),
-            self.scores.pixels,
-            self.scores.holes
-        );
         let families = self.families();
+        let mut table =
+            Table { columns: ["measure", "value"].map(Column::new).into(), rows: Vec::new() };
         for (i, (_, rows)) in families.iter().enumerate() {
             for row in rows {
-                let _ = writeln!(text, "| {} [{}] | {} |", row.name, i + 1, shown(row));
+                let name = format!("{} ({})", row.name, i + 1);
+                table.push(vec![Cell::text(name), Cell::text(shown(row))]);
             }
         }
-        text.push('\n');
+        let [estimate, truth] =
+            [&self.estimate, &self.truth].map(|map| in_markdown(&map.describe()));
+        let Scores { pixels, holes, .. } = self.scores;
+        let table = table.to_markdown();
+        let mut text =
+            format!("{estimate} against {truth}, {pixels} pixels, {holes} holes\n\n{table}\n");
         for (i, (protocol, _)) in families.iter().enumerate() {
-            let _ = writeln!(text, "{}. {protocol}", i + 1);
+            let _ = writeln!(text, "{}. {}", i + 1, in_markdown(protocol));
         }
         text
     }
