@@ -4,6 +4,7 @@
 //! ended, the scores of every region with the protocol of every family of measures, what was used,
 //! and on which machine. It is written whole or not at all.
 
+mod coverage;
 mod machine;
 mod scoring;
 
@@ -17,6 +18,7 @@ use serde::Serialize;
 use crate::dataset::{Case, CaseData, Purpose};
 use crate::engine::{Attempt, Status, Usage, Worker};
 
+pub use coverage::{Coverage, SURE};
 pub use machine::Machine;
 pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RANKED_BAD, RegionScores, at_least, score};
 
@@ -58,6 +60,10 @@ pub struct Record {
     pub status: Status,
     /// Which truth, which masks, what was assumed.
     pub protocol: Vec<String>,
+    /// Whether there is a truth to score against.
+    pub has_truth: bool,
+    /// How much of the box the answer speaks of, if there is one.
+    pub coverage: Option<Coverage>,
     /// Scores over all pixels with truth, then over each region that has any. Empty without truth
     /// or without an answer.
     pub scores: Vec<Scores>,
@@ -132,6 +138,8 @@ impl Record {
             jobs,
             status,
             protocol: data.protocol.clone(),
+            has_truth: data.truth.is_some(),
+            coverage: last.answer.as_ref().map(|answer| Coverage::of(answer, data.bounds)),
             scores: scored.scores,
             by_reason: scored.by_reason,
             by_confidence: scored.by_confidence,

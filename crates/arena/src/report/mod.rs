@@ -3,6 +3,7 @@
 //! A [`Table`] knows its columns and cells and nothing of how it is shown; [`Format`] has one file
 //! for each way to show it.
 
+mod coverage;
 mod csv;
 mod json;
 mod markdown;
@@ -18,8 +19,9 @@ mod text;
 use std::fmt;
 use std::str::FromStr;
 
-pub use csv::quoted;
+pub use coverage::{COVERAGE_LEGEND, coverage_table};
 pub use json::to_json;
+pub use markdown::in_markdown;
 pub use overview::{bad2_table, overview_table};
 pub use reasons::{REASONS_LEGEND, reasons_table};
 pub use regions::{REGIONS_LEGEND, regions_table};

@@ -22,17 +22,17 @@ const MEASURES: [(&str, &str, f64, usize); 9] = [
 /// The regions of the table, with their short names.
 const REGIONS: [(&str, &str); 2] = [("all", "all"), ("non-occluded", "noc")];
 
-/// Scores over all pixels and over the non-occluded ones, with times and memory in the first row of
-/// each pair. There is a column for the status when some engine has no answer.
+/// Scores over all pixels and over the non-occluded ones of scenes with truth, with times and memory in the first row
+/// of each pair. There is a column for the status when some engine has no answer.
 ///
 /// E_RMS and average error are in pixels; p_bad is a share from 0 to 1, as the course gives it.
 pub fn scores_table(records: &[Record]) -> Table {
+    let records: Vec<&Record> = records.iter().filter(|record| record.has_truth).collect();
     let first = [Column::grouped("scene"), Column::grouped("matcher"), Column::new("pixels")];
     let measures = MEASURES.map(|(_, heading, ..)| Column::new(heading));
-    let last = ["CPU ms", "wall ms", "MB"].map(Column::new);
+    let last = USED.map(Column::new);
     let mut columns: Vec<_> = first.into_iter().chain(measures).chain(last).collect();
-    // Where all is well the column would only say so.
-    let with_status = records.iter().any(|record| record.status != Status::Done);
+    let with_status = needs_status(&records);
     if with_status {
         columns.push(Column::new("status"));
     }
@@ -65,14 +65,29 @@ fn row(record: &Record, region: &str, short: &str) -> Vec<Cell> {
         Cell::number(record.value(region, name).map(|value| value * factor), digits)
     }));
     if region == "all" {
-        let usage = &record.usage;
-        row.push(Cell::number(usage.cpu_seconds.map(|seconds| seconds * 1e3), 1));
-        row.push(Cell::Number(usage.wall_seconds * 1e3, 1));
-        row.push(Cell::number(usage.peak_memory_bytes.map(|bytes| bytes as f64 / 1e6), 0));
+        row.extend(used(record));
     } else {
-        row.extend([Cell::text(""), Cell::text(""), Cell::text("")]);
+        row.extend(USED.map(|_| Cell::text("")));
     }
     row
+}
+
+/// The headings of [`used`].
+pub(super) const USED: [&str; 3] = ["CPU ms", "wall ms", "MB"];
+
+/// Times and memory.
+pub(super) fn used(record: &Record) -> [Cell; 3] {
+    let usage = &record.usage;
+    [
+        Cell::number(usage.cpu_seconds.map(|seconds| seconds * 1e3), 1),
+        Cell::Number(usage.wall_seconds * 1e3, 1),
+        Cell::number(usage.peak_memory_bytes.map(|bytes| bytes as f64 / 1e6), 0),
+    ]
+}
+
+/// Whether there is a column that tells how engines fared: where all is well it would only say so.
+pub(super) fn needs_status(records: &[&Record]) -> bool {
+    records.iter().any(|record| record.status != Status::Done)
 }
 
 /// What the table's numbers mean, a line for each, to be printed beside it.
@@ -85,9 +100,12 @@ pub const LEGEND: [&str; 6] = [
      clipped to the range",
     "D1 (KITTI): errors > 3 px and > 5 %, holes filled from the background first",
     "density: pixels with an estimate",
-    "CPU, wall, MB: the engine's process as seen from outside, from sending the pair to its \
-     answer; MB is its peak",
+    USED_LEGEND,
 ];
+
+/// What [`used`] means.
+pub(super) const USED_LEGEND: &str = "CPU, wall, MB: the engine's process as seen from outside, from sending the pair \
+                                      to its answer; MB is its peak";
 
 /// Says on how many scenes matchers were told a range that nothing states, and where it comes from: a line for each way.
 pub fn assumed_ranges(records: &[Record]) -> Vec<String> {

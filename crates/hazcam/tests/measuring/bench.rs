@@ -68,6 +68,27 @@ fn scenes_on_disk_are_found_matched_and_scored() {
     assert!(rows[1][4].parse::<f64>().unwrap() < 0.2, "{csv}");
 }
 
+#[test]
+fn of_pairs_without_truth_it_is_told_how_much_matchers_speak_of() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let scene = folder.path().join("data/rover");
+    fs::create_dir(&scene).unwrap();
+    for (from, to) in [("im0.png", "left.png"), ("im1.png", "right.png")] {
+        fs::copy(folder.path().join("data/walls/near").join(from), scene.join(to)).unwrap();
+    }
+    let arguments = ["bench", "--data", "data", "-m", "fast", "--scenes", "*"];
+    let (stdout, _) = run(folder.path(), &[&arguments[..], &["--use", "rover"]].concat(), 0);
+    assert!(stdout.starts_with("scene  matcher  density %  matched %  sure %"), "{stdout}");
+    assert!(stdout.contains("nobody knows the truth") && !stdout.contains("E_RMS"), "{stdout}");
+    let only = ["--use", "rover", "--format", "csv"];
+    let (stdout, _) = run(folder.path(), &[&arguments[..], &only].concat(), 0);
+    let numbers: Vec<f64> =
+        stdout.lines().nth(1).unwrap().split(',').skip(2).map(|n| n.parse().unwrap()).collect();
+    assert_eq!(numbers[0], 100.0, "{stdout}");
+    assert!((50.0..100.0).contains(&numbers[1]) && numbers[2] <= numbers[1], "{stdout}");
+}
+
 #[cfg(unix)]
 #[test]
 fn anybodys_engine_takes_part_and_its_crash_is_a_row() {

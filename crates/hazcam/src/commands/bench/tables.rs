@@ -45,7 +45,10 @@ impl Tables<'_> {
             Format::Csv => match self.view {
                 View::Ablation => ablation::table(&ablation::rows(self.records)).to_csv(),
                 View::Reliability => report::reliability_table(self.records).to_csv(),
-                _ => report::scores_table(self.records).to_csv(),
+                _ if self.records.iter().any(|record| record.has_truth) => {
+                    report::scores_table(self.records).to_csv()
+                }
+                _ => report::coverage_table(self.records).to_csv(),
             },
             Format::Json => match self.view {
                 View::Ablation => report::to_json(self.records, &ablation::rows(self.records)),
@@ -64,22 +67,23 @@ impl Tables<'_> {
         let Self { records, reference, view } = *self;
         match view {
             View::Scores => {
+                let words = |lines: &[&str]| lines.iter().copied().map(str::to_owned).collect();
+                let (scores, coverage) =
+                    (report::scores_table(records), report::coverage_table(records));
+                let legend = words(&report::COVERAGE_LEGEND);
+                // How it was measured is told once.
+                let of_coverage =
+                    if scores.rows.is_empty() { self.notes(legend) } else { legend };
                 let summaries = report::summaries(records, reference);
-                let reasons = report::reasons_table(records);
-                let by_reason = match reasons.rows.is_empty() {
-                    true => String::new(),
-                    false => {
-                        let legend = notes(vec![report::REASONS_LEGEND.into()]);
-                        format!("\n{}\n{legend}", show(&reasons))
-                    }
-                };
-                format!(
-                    "{}\n{}\n{}\n{}{by_reason}",
-                    show(&report::scores_table(records)),
-                    notes(self.notes(report::LEGEND.map(str::to_owned).to_vec())),
-                    show(&report::summary_table(&summaries, reference)),
-                    notes(vec![summary_note(reference)])
-                )
+                let parts = [
+                    (scores, self.notes(words(&report::LEGEND))),
+                    (coverage, of_coverage),
+                    (report::summary_table(&summaries, reference), vec![summary_note(reference)]),
+                    (report::reasons_table(records), vec![report::REASONS_LEGEND.into()]),
+                ];
+                let parts = parts.into_iter().filter(|(table, _)| !table.rows.is_empty());
+                let parts = parts.map(|(table, lines)| format!("{}\n{}", show(&table), notes(lines)));
+                parts.collect::<Vec<_>>().join("\n")
             }
             View::Regions => format!(
                 "{}\n{}\n{}\n{}",
