@@ -6,13 +6,19 @@
 //!   as main memory. Bytes read and bytes written both count.
 //! * **Operations.** A stage takes at least the time in which the registers do as many operations on
 //!   bytes, as many at a time as their width allows, with nothing to load or to store.
+//! * **Products.** A stage takes at least the time in which as many products of numbers of 16 bits are added to sums
+//!   in registers, with one load for many of them.
+//!
+//! Processors may do one while they do another, so the longest of the three counts.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::products::{LANES, Sums};
 use crate::profile::Stage;
 
 /// The smallest piece that is copied, in bytes read and written; the next are each twice as large.
@@ -29,6 +35,8 @@ const MEASUREMENTS: usize = 4;
 pub struct Limits {
     /// Operations on bytes per second.
     operations: f64,
+    /// Products of numbers of 16 bits per second.
+    products: f64,
     /// Bytes per second, read and written, in pieces of [`SMALLEST`] and more.
     copies: Vec<f64>,
 }
@@ -41,6 +49,7 @@ impl Limits {
         let mut buffer = vec![1; (SMALLEST << sizes.ilog2()) as usize];
         Self {
             operations: operations_per_second(level),
+            products: products_per_second(level),
             copies: pieces.map(|piece| copied_per_second(&mut buffer[..piece as usize])).collect(),
         }
     }
@@ -56,9 +65,19 @@ impl Limits {
         Duration::from_secs_f64(stage.operations as f64 / self.operations)
     }
 
+    /// The least time that the products of a stage take; zero without any.
+    pub fn products(&self, stage: &Stage) -> Duration {
+        Duration::from_secs_f64(stage.products as f64 / self.products)
+    }
+
     /// Operations on bytes per second, by all threads together.
     pub fn operations_per_second(&self) -> f64 {
         self.operations
+    }
+
+    /// Products of numbers of 16 bits, added to sums, per second, by all threads together.
+    pub fn products_per_second(&self) -> f64 {
+        self.products
     }
 
     /// Bytes read and written per second, by all threads together, where so many are moved at once.
@@ -130,22 +149,58 @@ at_every_level! {
     }
 }
 
+/// So many pairs of numbers are loaded one after the other.
+const PAIRS: usize = 16;
+
+/// As many sums as fit the registers of one processor or another.
+fn products_per_second(level: Level) -> f64 {
+    [with_sums::<4>(level), with_sums::<8>(level), with_sums::<16>(level)]
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+/// The rate of products that are added to `N` sums in every lane.
+fn with_sums<const N: usize>(level: Level) -> f64 {
+    const TIMES: usize = 100;
+    let products = 2 * N * LANES * PAIRS * TIMES;
+    rate(products * rayon::current_num_threads(), |rounds| {
+        rayon::broadcast(|_| {
+            let numbers = [Line([black_box(0); LANES]); PAIRS];
+            black_box(multiply_and_add::<N>(level, rounds * TIMES, black_box([3, 5]), &numbers))
+        });
+    })
+}
+
+at_every_level! {
+    /// Adds the products of all pairs with one pair to each of `N` sums of every lane, over and over.
+    fn multiply_and_add<const N: usize>[products](times: usize, pair: [i16; 2], numbers: &[Sums; PAIRS]) -> [Sums; N] {
+        let pairs = [[pair; N]; PAIRS];
+        let mut sums = [Line([0; LANES]); N];
+        for _ in 0..times {
+            products.add_all(&mut sums, &pairs, black_box(numbers));
+        }
+        sums
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::products::packed;
 
     fn stage(runs: u32, bytes: u64, operations: u64) -> Stage {
-        Stage { name: "stage", runs, time: Duration::ZERO, bytes, operations }
+        Stage { name: "stage", runs, time: Duration::ZERO, bytes, operations, products: 3_000 }
     }
 
     #[test]
     fn pieces_are_as_large_as_a_run_and_slow_measurements_do_not_count() {
         // 64 kB at 8 GB/s, 128 kB at 2 (something was in the way), 256 kB and more at 4.
-        let limits = Limits { operations: 1e9, copies: vec![8e9, 2e9, 4e9] };
+        let limits = Limits { operations: 1e9, products: 1e6, copies: vec![8e9, 2e9, 4e9] };
         let micros = |bytes, runs| limits.memory(&stage(runs, bytes, 0)).as_micros();
         assert_eq!([micros(0, 1), micros(80_000, 1), micros(160_000, 1)], [0, 10, 40]);
         assert_eq!([micros(160_000, 2), micros(40_000_000, 1)], [20, 10_000]);
         assert_eq!(limits.operations(&stage(3, 0, 5_000_000)), Duration::from_millis(5));
+        assert_eq!(limits.products(&stage(3, 0, 0)), Duration::from_millis(3));
     }
 
     #[test]
@@ -154,6 +209,10 @@ mod tests {
             let bytes = add_and_bound::<128>(level, 3, 5, 100);
             assert_eq!((bytes[0], bytes[80], bytes[127]), (15, 95, 100));
             assert!(operations_per_second(level) > 0.0);
+            let numbers = std::array::from_fn(|i| Line([packed(i as i32, 1); LANES]));
+            let sums = multiply_and_add::<3>(level, 2, [10, 4], &numbers);
+            assert_eq!(sums, [Line([2 * (10 * 120 + 4 * 16); LANES]); 3]);
+            assert!(products_per_second(level) > 0.0);
         }
     }
 

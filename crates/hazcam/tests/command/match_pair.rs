@@ -343,7 +343,7 @@ fn a_profile_names_the_stages_with_their_work_and_adds_up() {
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[0].starts_with("stage") && text.contains(stage), "{text}");
         let headings: Vec<&str> = lines[0].split("  ").map(str::trim).collect();
-        let named = ["stage", "ms", "share", "MB", "Mop", "limit ms", "due to", "times"];
+        let named = ["stage", "ms", "share", "MB", "Mop", "Mmac", "limit ms", "due to", "times"];
         assert!(named.iter().all(|name| headings.contains(name)), "{text}");
         // The first numbers after the name: milliseconds, share, megabytes.
         let number = |line: &str, place: usize| -> f64 {

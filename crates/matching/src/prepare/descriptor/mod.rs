@@ -69,7 +69,7 @@ impl Descriptors {
                 put(row, out);
             }
         });
-        Work::bytes(read) + Work::operations(network::OPERATIONS) * (width * rows)
+        Work::bytes(read) + Work::products(network::PRODUCTS) * (width * rows)
     }
 }
 

@@ -40,15 +40,14 @@ pub(super) const REACH: usize = {
 /// Rows of a layer that are held: those that a window sees.
 const HELD: usize = 3;
 
-/// Operations on bytes for a pixel of the image: a product of two bytes and a sum of four for every
-/// weight of every layer.
-pub(super) const OPERATIONS: usize = {
+/// Products for a pixel of the image: one for every weight of every layer.
+pub(super) const PRODUCTS: usize = {
     let (mut products, mut i) = (0, 0);
     while i < LAYERS.len() {
         products += LAYERS[i].weights();
         i += 1;
     }
-    6 * products
+    products
 };
 
 /// Numbers of the network, layer after layer: weights in the order of [`Weights::new`], then what is

@@ -19,6 +19,7 @@ use super::reach::{MOST, Reach};
 use super::verdict::Odds;
 use crate::kernels::aligned::Line;
 use crate::kernels::products::{Lanes, Pair, Products, Sums, Weighing, packed};
+use crate::profile::Work;
 
 /// The most numbers that a layer has.
 const LARGEST: usize = 32;
@@ -137,16 +138,17 @@ impl Judge {
             + 2 * second
     }
 
-    /// Operations on bytes for a pixel: products of two bytes each and their sums of four, and each
-    /// candidate compared with each other one, in three operations on two bytes, once for the products that
-    /// are four votes, once for that which says what it costs to be wrong.
-    pub fn operations(&self) -> usize {
+    /// What a pixel takes at the least: a product for every weight, and each candidate compared with each other one,
+    /// in three operations on two bytes, once for the products that are four votes, once for that which says what it
+    /// costs to be wrong.
+    pub fn work(&self) -> Work {
         let Layers { context, first, second } = self.layers;
         let candidates = self.places.len();
         let of_all = context * (candidates * IN_CONTEXT + OF_PIXEL) + first * self.layers.common();
-        let products = first * OF_EACH + second * first + second;
-        let compared = 2 * (3 * 2) + (4 + 1) * (2 + 4);
-        (2 + 4) * of_all + candidates * ((2 + 4) * products + candidates * compared)
+        let of_each = first * OF_EACH + second * first + second;
+        let pairs = candidates * candidates;
+        Work::operations(2 * (3 * 2) * pairs)
+            + Work::products(of_all + candidates * of_each + (4 + 1) * pairs)
     }
 
     /// From its numbers: of each number of the context the weights of what is known of the first candidate, of the

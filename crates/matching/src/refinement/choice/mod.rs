@@ -135,7 +135,7 @@ fn choose(
     // Values are copied, certainty written. In rows that are asked, values, slopes, notes and the right view
     // are read, the choice written; edges are read in four ways; reasons and the looks of both views are bytes.
     Work::bytes((2 * 4 + 1 + 4 * (4 + 1) + 2 * 4 + 1 + 2 * 3) * samples.len())
-        + Work::operations(judge.operations()) * chosen.sum::<usize>()
+        + judge.work() * chosen.sum::<usize>()
 }
 
 at_every_level! {
