@@ -35,6 +35,8 @@ impl Browser {
         let mut command = Command::new(program);
         command.arg("--headless").arg("--remote-debugging-port=0");
         command.arg(format!("--user-data-dir={}", profile.path().display()));
+        // What it keeps beside that would stay when it is killed.
+        command.env("TMPDIR", profile.path());
         // It opens only what these tests wrote, and its own sandbox refuses to run as root.
         command.args(["--no-sandbox", "--no-first-run", "--disable-sync"]);
         // WebGL on the processor: what a machine's graphics would draw is nobody's to know.
