@@ -13,7 +13,7 @@ use crate::arguments;
 use crate::arrays::from_plane;
 use crate::detached::detached;
 use crate::doubts;
-use crate::errors::{HazcamError, of_matching, wrong_value};
+use crate::errors::{HazcamError, of_matching};
 use crate::images::image;
 
 /// A matcher with the options that it was built from.
@@ -109,30 +109,6 @@ impl Matcher {
             ));
         }
         let (left, right) = (image("left", left)?, image("right", right)?);
-        if left.depth() != right.depth() {
-            let what = format!("of {} bits a sample", right.depth());
-            let allowed = format!("`left` is of {}: a pair is of one kind", left.depth());
-            return Err(wrong_value("right", what, allowed));
-        }
-        if left.is_coloured() != right.is_coloured() {
-            let kind = |image: &Image| if image.is_coloured() { "coloured" } else { "grey" };
-            let allowed = format!(
-                "`left` is {}: a pair is of one kind; read both alike, or make both grey",
-                kind(&left)
-            );
-            return Err(wrong_value("right", kind(&right), allowed));
-        }
-        let (range, columns) = (self.options.range, left.columns());
-        if !range.meets(columns) {
-            let (name, value) = match range.min() > 0 {
-                true => ("min_disparity", range.min()),
-                false => ("max_disparity", range.max()),
-            };
-            let allowed = format!(
-                "images of {columns} columns have no match as far away: nothing could be matched"
-            );
-            return Err(wrong_value(name, value, allowed));
-        }
         let bounds = arguments::bounding_box(r#box)?;
         let answer = detached(py, || self.answer(&left, &right, bounds))?.map_err(of_matching)?;
         Ok((

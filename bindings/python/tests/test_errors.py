@@ -158,17 +158,18 @@ VALUES = [
     ),
     (
         lambda: fast(right=GREY.astype(np.uint16)),
-        "`right` is of 16 bits a sample, but `left` is of 8: a pair is of one kind",
+        "the left image is grey of 8 bits, but the right one is grey of 16 bits: a pair is of one "
+        "kind; read both alike, or make both grey",
     ),
     (
         lambda: fast(right=image(6, 9, 3)),
-        "`right` is coloured, but `left` is grey: a pair is of one kind; read both alike, or make "
-        "both grey",
+        "the left image is grey of 8 bits, but the right one is colour of 8 bits: a pair is of one "
+        "kind; read both alike, or make both grey",
     ),
     (
         lambda: fast(left=image(6, 9, 3)),
-        "`right` is grey, but `left` is coloured: a pair is of one kind; read both alike, or make "
-        "both grey",
+        "the left image is colour of 8 bits, but the right one is grey of 8 bits: a pair is of one "
+        "kind; read both alike, or make both grey",
     ),
     # Boxes.
     (

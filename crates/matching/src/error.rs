@@ -31,12 +31,40 @@ pub enum MatchError {
         /// Rows of the right image.
         right_rows: usize,
     },
+    /// The two images are not both grey or both colour, or not as deep.
+    #[error(
+        "the left image is {left}, but the right one is {right}: a pair is of one kind; read both alike, or make \
+         both grey"
+    )]
+    KindsDiffer {
+        /// What the left image is ([`raster::Image::kind`]).
+        left: &'static str,
+        /// What the right one is.
+        right: &'static str,
+    },
     /// The images have no pixels.
     #[error("the images have no pixels: at least 1 x 1 is needed")]
     NoPixels,
     /// The box or the range makes no sense for these images.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
+    /// Whatever the pixel, its match would lie outside the images.
+    #[error(
+        "disparities {min} to {max} lie outside images of {columns} columns: nothing could be matched; give a smallest \
+         and a largest one {}",
+        match columns - 1 {
+            0 => "of 0".to_owned(),
+            last => format!("within -{last} to {last}"),
+        }
+    )]
+    RangeOutside {
+        /// The smallest disparity.
+        min: i32,
+        /// The largest.
+        max: i32,
+        /// Columns of either image, at least 1.
+        columns: usize,
+    },
     /// The images have more pixels than can be counted.
     #[error(
         "the images have {columns} x {rows} pixels, but at most {limit} can be matched at a time: \

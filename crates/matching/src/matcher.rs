@@ -75,7 +75,7 @@ pub(crate) fn open_holes(map: &mut DisparityMap, bounds: BoundingBox) {
 }
 
 /// What memory is taken for: the size, the box, and how deep and of what colours both images are.
-type Shape = ((usize, usize), BoundingBox, [Discriminant<Image>; 2]);
+type Shape = ((usize, usize), BoundingBox, Discriminant<Image>);
 
 /// Matches pairs of images. It keeps its memory between frames: equal sizes and boxes allocate nothing after
 /// the first. Where memory is bounded ([`Options::memory`]), a frame of another shape begins with none.
@@ -176,8 +176,10 @@ impl Matcher {
     ///
     /// # Errors
     ///
-    /// * [`MatchError::SizesDiffer`] and [`MatchError::NoPixels`] for images that are no pair;
-    /// * [`MatchError::Bounds`] for a box that leaves them;
+    /// * [`MatchError::SizesDiffer`], [`MatchError::KindsDiffer`] and [`MatchError::NoPixels`] for images that are
+    ///   no pair;
+    /// * [`MatchError::RangeOutside`] and [`MatchError::Bounds`] for a range all of which lies beyond them, and for a
+    ///   box that leaves them;
     /// * [`MatchError::TooLarge`] and [`MatchError::TooWide`] for more pixels than can be counted, and for more
     ///   columns than can be told apart;
     /// * [`MatchError::Memory`] and [`MatchError::MachineMemory`] for a frame that does not fit what is
@@ -201,6 +203,13 @@ impl Matcher {
         if columns == 0 || rows == 0 {
             return Err(MatchError::NoPixels);
         }
+        if mem::discriminant(left) != mem::discriminant(right) {
+            return Err(MatchError::KindsDiffer { left: left.kind(), right: right.kind() });
+        }
+        let (min, max) = (self.options.range.min(), self.options.range.max());
+        if !self.options.range.meets(columns) {
+            return Err(MatchError::RangeOutside { min, max, columns });
+        }
         let bounds = bounds.unwrap_or(BoundingBox::whole(columns, rows));
         bounds.check_within(columns, rows)?;
         if columns * rows > LARGEST {
@@ -210,7 +219,7 @@ impl Matcher {
             return Err(MatchError::TooWide { columns, limit: MOST_COLUMNS });
         }
         let frame = Frame { left, right, bounds, range: self.options.range };
-        let shape = Some((frame.size(), bounds, [left, right].map(mem::discriminant)));
+        let shape = Some((frame.size(), bounds, mem::discriminant(left)));
         let Self { options, level, admission, pipeline, map, profile, pool, shape: last } = self;
         threads::run_in(pool, || -> Result<(), MatchError> {
             let allowance = admission.of(&frame, pipeline.least_memory(&frame))?;
@@ -269,7 +278,7 @@ pub(crate) mod tests {
                 }))
             })
         };
-        // Seven columns have nothing to search from disparity 10 on.
+        // Of twelve columns two have something to search from disparity 10 on.
         for (preset, least) in
             Preset::ALL.into_iter().flat_map(|preset| [(preset, 0), (preset, 10)])
         {
@@ -283,7 +292,7 @@ pub(crate) mod tests {
                 (150, 40, None),
                 (150, 40, part(60, 3, 140, 30)),
                 (40, 60, None),
-                (7, 5, None),
+                (12, 5, None),
                 (90, 300, None),
                 (90, 300, part(0, 20, 50, 299)),
                 (90, 300, part(70, 0, 89, 250)),
@@ -363,6 +372,41 @@ pub(crate) mod tests {
         let ([whole, features], [bands, same]) = (operations(None), operations(Some(650_000)));
         assert!(whole < bands && bands < 2 * whole, "{whole}, {bands}");
         assert_eq!(features, same);
+    }
+
+    #[test]
+    fn a_range_all_of_which_lies_outside_the_images_is_refused() {
+        let image = Image::Grey8(Plane::filled(45, 2, 9));
+        let answer = |min, max| {
+            let range = DisparityRange::new(min, max).unwrap();
+            let mut matcher = Matcher::new(Options::new(Preset::Fast, range)).unwrap();
+            matcher.compute(&image, &image, None).map(|_| ())
+        };
+        for (min, max) in [(0, 6), (44, 52), (-52, -44), (-9, 90)] {
+            assert_eq!(answer(min, max), Ok(()));
+        }
+        for (min, max) in [(45, 52), (-52, -45)] {
+            let error = answer(min, max).unwrap_err().to_string();
+            assert!(error.contains("45 columns") && error.contains("-44 to 44"), "{error}");
+        }
+    }
+
+    #[test]
+    fn images_of_two_kinds_are_no_pair() {
+        let images = [
+            Image::Grey8(Plane::filled(4, 2, 9)),
+            Image::Grey16(Plane::filled(4, 2, 9)),
+            Image::Rgb8(Plane::filled(4, 2, [9; 3])),
+        ];
+        let range = DisparityRange::new(0, 2).unwrap();
+        let mut matcher = Matcher::new(Options::new(Preset::Fast, range)).unwrap();
+        for (i, left) in images.iter().enumerate() {
+            for (j, right) in images.iter().enumerate() {
+                let answer = matcher.compute(left, right, None).map(|_| ());
+                let differ = MatchError::KindsDiffer { left: left.kind(), right: right.kind() };
+                assert_eq!(answer, if i == j { Ok(()) } else { Err(differ) });
+            }
+        }
     }
 
     #[test]

@@ -61,6 +61,10 @@ fn every_size_and_range_is_answered_completely() {
         let [Image::Grey8(left), Image::Grey8(right)] = &images else { unreachable!() };
         let deep = [left, right].map(|i| Image::Grey16(i.map(|&v| u16::from(v) * 257)));
         for (preset, range) in Preset::ALL.into_iter().flat_map(|p| ranges.map(|r| (p, r))) {
+            // All of a range outside the images is refused.
+            if !DisparityRange::new(range.0, range.1).unwrap().meets(columns) {
+                continue;
+            }
             let map = compute(options(preset, range), &images, None);
             check_complete(preset, &map, BoundingBox::whole(columns, rows), range);
             let of_16_bit = compute(options(preset, range), &deep, None);
@@ -229,10 +233,10 @@ fn narrow_boxes_are_checked_against_all_that_the_right_image_shows() {
 }
 
 #[test]
-fn where_nothing_can_be_searched_pixels_say_what_lies_outside() {
+fn where_hardly_anything_can_be_searched_pixels_say_what_lies_outside() {
     let pair = wall(64, 8, 3);
     for preset in Preset::ALL {
-        for range in [(63, 127), (64, 127), (-127, -63)] {
+        for range in [(63, 127), (-127, -63)] {
             let map = compute(options(preset, range), &pair, None);
             for y in 0..8 {
                 for x in 0..64 {

@@ -67,6 +67,16 @@ impl Image {
         }
     }
 
+    /// What its samples are, in words: both images of a pair are of one kind.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Grey8(_) => "grey of 8 bits",
+            Self::Grey16(_) => "grey of 16 bits",
+            Self::Rgb8(_) => "colour of 8 bits",
+            Self::Rgb16(_) => "colour of 16 bits",
+        }
+    }
+
     /// The smallest and the largest sample; `None` without any.
     pub fn extremes(&self) -> Option<[u32; 2]> {
         fn of<T: Copy + Ord + Into<u32>, const N: usize>(pixels: &[[T; N]]) -> Option<[u32; 2]> {

@@ -96,9 +96,9 @@ pub enum DatasetError {
         /// The right image.
         path: PathBuf,
         /// What it is.
-        kind: String,
+        kind: &'static str,
         /// What the left one is.
-        left_kind: String,
+        left_kind: &'static str,
     },
     /// The box of a file leaves the images.
     #[error("{}: {source}", path.display())]

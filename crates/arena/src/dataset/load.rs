@@ -25,7 +25,7 @@ pub(super) fn files(
     let right = read_image(&files.right)?;
     let size = left.size();
     check_size(&files.right, right.size(), size)?;
-    let [left_kind, kind] = [&left, &right].map(kind);
+    let [left_kind, kind] = [&left, &right].map(Image::kind);
     if kind != left_kind {
         return Err(DatasetError::KindsDiffer { path: files.right.clone(), kind, left_kind });
     }
@@ -64,12 +64,6 @@ pub(super) fn files(
     };
     // Of files nothing asks for more than disparities: their calibrations are not looked for.
     Ok(CaseData { left, right, bounds, range, camera: None, truth, regions, protocol })
-}
-
-/// What samples an image has, in words.
-fn kind(image: &Image) -> String {
-    let colour = if image.is_coloured() { "colour" } else { "grey" };
-    format!("{colour} of {} bits", image.depth())
 }
 
 /// The file with its folder, which in some data sets alone says what it holds.

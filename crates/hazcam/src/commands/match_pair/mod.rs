@@ -159,7 +159,6 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.note(assumed);
     }
     outputs.check_range(options.range)?;
-    check_range(options.range, left.columns())?;
     let mut matcher = Matcher::new(options.clone())?;
 
     let spinner = ui.spinner(format!("matching ({})", options.preset));
@@ -218,23 +217,19 @@ fn check_pair(args: &Args, left: &Image, right: &Image) -> anyhow::Result<()> {
             right.rows()
         );
     }
+    if left.kind() != right.kind() {
+        bail!(
+            "{} is {} but {} is {}: a pair is of one kind; read both alike, or make both grey",
+            args.left.display(),
+            left.kind(),
+            args.right.display(),
+            right.kind()
+        );
+    }
     if let Some(GivenBox { bounds, .. }) = &args.bounds {
         bounds
             .check_within(left.columns(), left.rows())
             .with_context(|| format!("--box does not fit {}", args.left.display()))?;
-    }
-    Ok(())
-}
-
-/// Errors when no disparity of the range has its match within images of so many columns.
-fn check_range(range: DisparityRange, columns: usize) -> anyhow::Result<()> {
-    if !range.meets(columns) {
-        let (min, max, last) = (range.min(), range.max(), columns - 1);
-        let within = if last > 0 { format!("within -{last} to {last}") } else { "0".to_owned() };
-        bail!(
-            "disparities {min} to {max} lie outside images of {columns} columns: nothing could be matched; give \
-             --min-disparity and --max-disparity {within}"
-        );
     }
     Ok(())
 }
@@ -278,18 +273,6 @@ fn default_count(columns: usize) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_range_without_a_match_in_the_image_is_refused() {
-        let check = |min, max| check_range(DisparityRange::new(min, max).unwrap(), 450);
-        for (min, max) in [(0, 63), (449, 520), (-520, -449), (-9, 900)] {
-            check(min, max).unwrap();
-        }
-        for (min, max) in [(450, 520), (-520, -450)] {
-            let error = check(min, max).unwrap_err().to_string();
-            assert!(error.contains("450 columns") && error.contains("-449 to 449"), "{error}");
-        }
-    }
 
     #[test]
     fn the_default_range_is_a_quarter_of_the_width() {
