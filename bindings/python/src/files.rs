@@ -9,7 +9,7 @@ use crate::arrays::from_plane;
 use crate::detached::detached;
 use crate::errors::{about, of_file, wrong_value};
 use crate::images::from_image;
-use crate::planes::map;
+use crate::planes::{DISPARITIES, map};
 use crate::stereo_camera::{Numbers, numbers};
 
 /// A picture as an array, and how it is to be turned to be looked at, which is not done.
@@ -47,7 +47,7 @@ pub fn write_disparity(
     path: &Bound<'_, PyAny>,
     disparity: &Bound<'_, PyAny>,
 ) -> PyResult<()> {
-    let (path, values) = (self::path("path", path)?, map("disparity", disparity)?);
+    let (path, values) = (self::path("path", path)?, map("disparity", disparity, DISPARITIES)?);
     if values.samples().is_empty() {
         let (columns, rows) = values.size();
         let what = format!("a map of {rows} rows x {columns} columns");
@@ -56,6 +56,9 @@ pub fn write_disparity(
     detached(py, || formats::write_disparity(path, &values))?.map_err(of_file)
 }
 
+/// A camera, `(columns, rows)` of its images if the file says it, and what is doubtful about it.
+type Calibrated = (Numbers, Option<(usize, usize)>, Option<String>);
+
 /// `(focal_px, baseline_m, doffs, cx, cy)` of the pair that a left image belongs to, and the columns and rows of its
 /// images where the file says them.
 #[pyfunction]
@@ -63,10 +66,11 @@ pub fn read_calibration(
     py: Python<'_>,
     path: &Bound<'_, PyAny>,
     left: &Bound<'_, PyAny>,
-) -> PyResult<(Numbers, Option<(usize, usize)>)> {
+) -> PyResult<Calibrated> {
     let path = self::path("path", path)?;
     let left = (!left.is_none()).then(|| self::path("left", left)).transpose()?;
     let read = detached(py, || formats::read_calibration(path))?.map_err(of_file)?;
+    let doubt = left.as_ref().and_then(|left| read.doubt_of(left));
     let camera = left.map_or(read.camera, |left| read.camera_of(left));
-    Ok((numbers(&camera), read.width.zip(read.height)))
+    Ok((numbers(&camera), read.width.zip(read.height), doubt))
 }

@@ -7,7 +7,7 @@ use score::{Evaluation, Measure, Region, ScoreError, Scores, suspected_scale};
 use crate::arguments::{bounding_box, real};
 use crate::detached::detached;
 use crate::errors::of_scoring;
-use crate::planes::{map, mask};
+use crate::planes::{DISPARITIES, map, mask};
 
 /// A measure's name, its value, and the protocol of its family.
 type Row = (&'static str, Option<f64>, Option<String>);
@@ -24,7 +24,8 @@ pub fn score_map(
     mask: &Bound<'_, PyAny>,
     max_disparity: &Bound<'_, PyAny>,
 ) -> PyResult<(Vec<Row>, usize, usize, Option<f64>)> {
-    let (estimate, truth) = (map("disparity", disparity)?, map("truth", truth)?);
+    let (estimate, truth) =
+        (map("disparity", disparity, DISPARITIES)?, map("truth", truth, DISPARITIES)?);
     let bounds = bounding_box(r#box)?;
     let mask = (!mask.is_none()).then(|| self::mask("mask", mask)).transpose()?;
     let clip = !max_disparity.is_none();

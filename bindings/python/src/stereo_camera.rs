@@ -1,6 +1,6 @@
 //! `hazcam.StereoCamera`: depth and points of all pixels.
 
-use camera::{StereoCamera, middle};
+use camera::{StereoCamera, middle, too_large};
 use numpy::{PyArray2, PyArray3, ndarray};
 use pyo3::prelude::*;
 use raster::Plane;
@@ -9,7 +9,7 @@ use crate::arguments::{count, real, shown};
 use crate::arrays::from_plane;
 use crate::detached::detached;
 use crate::errors::{of_camera, wrong_value};
-use crate::planes::map;
+use crate::planes::{DEPTHS, DISPARITIES, map};
 
 /// `(focal_px, baseline_m, doffs, cx, cy)`.
 pub type Numbers = (f64, f64, f64, f64, f64);
@@ -115,35 +115,41 @@ pub fn depth_uncertainty<'py>(
             "it must be finite and positive, in pixels",
         ));
     }
-    let depths = map("depth", depth)?;
+    let depths = map("depth", depth, DEPTHS)?;
     let off = detached(py, || camera.camera.depth_uncertainty_map(&depths, error))?;
     Ok(from_plane(py, off))
 }
 
-/// Depth in metres of each disparity.
+fn doubts(camera: &StereoCamera, disparities: &Plane<f32>) -> Vec<String> {
+    [too_large(disparities), camera.doubt_of(disparities)].into_iter().flatten().collect()
+}
+
+/// Depth in metres of each disparity, and what is doubtful about these.
 #[pyfunction]
 pub fn depth<'py>(
     py: Python<'py>,
     camera: Camera,
     disparity: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let disparities = map("disparity", disparity)?;
-    let camera = camera.of_map(disparities.size())?;
-    let depths = detached(py, || camera.depth_map(&disparities))?;
-    Ok(from_plane(py, depths))
+) -> PyResult<(Bound<'py, PyArray2<f32>>, Vec<String>)> {
+    let disparities = map("disparity", disparity, DISPARITIES)?;
+    let of_map = camera.of_map(disparities.size())?;
+    let (depths, doubts) =
+        detached(py, || (of_map.depth_map(&disparities), doubts(&of_map, &disparities)))?;
+    Ok((from_plane(py, depths), doubts))
 }
 
-/// The point that each pixel shows: X, Y, Z in metres.
+/// The point that each pixel shows, X, Y, Z in metres, and what is doubtful about its disparities.
 #[pyfunction]
 pub fn points<'py>(
     py: Python<'py>,
     camera: Camera,
     disparity: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let disparities = map("disparity", disparity)?;
-    let camera = camera.of_map(disparities.size())?;
-    let points = detached(py, || of_pixels(&camera, &disparities))?;
-    Ok(PyArray3::from_owned_array(py, points))
+) -> PyResult<(Bound<'py, PyArray3<f32>>, Vec<String>)> {
+    let disparities = map("disparity", disparity, DISPARITIES)?;
+    let of_map = camera.of_map(disparities.size())?;
+    let (points, doubts) =
+        detached(py, || (of_pixels(&of_map, &disparities), doubts(&of_map, &disparities)))?;
+    Ok((PyArray3::from_owned_array(py, points), doubts))
 }
 
 /// NaN three times where a pixel has no depth ([`StereoCamera::depth_map`]).

@@ -103,6 +103,8 @@ def test_what_is_not_sure_filled_or_far_can_be_left_out():
     found = hazcam.DisparityMap(values, reasons, np.float32([[0.9, 0.1, 0.6]]), None)
     with pytest.warns(hazcam.HazcamWarning, match="filled in without a match.*min_confidence"):
         np.testing.assert_array_equal(CAMERA.depth(found), [[4, 4, 10]])
+    with pytest.warns(hazcam.HazcamWarning, match="a min_confidence above 0.05"):
+        CAMERA.depth(found, min_confidence=0.1)
     np.testing.assert_array_equal(CAMERA.depth(found, min_confidence=0.5), [[4, np.nan, 10]])
     sure = CAMERA.points(found, min_confidence=0.5, max_depth=9)
     np.testing.assert_array_equal(np.isnan(sure[0]).all(axis=1), [False, True, True])
@@ -112,6 +114,18 @@ def test_what_is_not_sure_filled_or_far_can_be_left_out():
     for wrong in ({"min_confidence": 1.5}, {"max_depth": 0}):
         with pytest.raises(hazcam.ArgumentError, match=next(iter(wrong))):
             CAMERA.depth(found, **wrong)
+    for wrong in ({"min_confidence": "x"}, {"min_confidence": None}, {"max_depth": True}):
+        with pytest.raises(hazcam.ArgumentTypeError, match=f"`{next(iter(wrong))}` is .*a number"):
+            CAMERA.points(found, **wrong)
+
+
+def test_disparities_that_no_match_has_are_doubted():
+    of_kitti = np.full((2, 3), 5120, np.uint16)
+    for call in (CAMERA.depth, CAMERA.points):
+        with pytest.warns(hazcam.HazcamWarning, match="up to 5120 px in a map of 3 columns"):
+            call(of_kitti)
+        with pytest.warns(hazcam.HazcamWarning, match="6 of 6 disparities are of nothing in front"):
+            call(np.full((2, 3), -4.0))
 
 
 def test_uncertainty_grows_with_the_square_of_depth():
@@ -119,9 +133,13 @@ def test_uncertainty_grows_with_the_square_of_depth():
     np.testing.assert_allclose(off, [[0.01, 0.04, np.nan]], rtol=1e-6)
     with pytest.raises(hazcam.ArgumentError, match="disparity_error"):
         CAMERA.depth_uncertainty(np.ones((1, 1)), 0)
+    with pytest.raises(hazcam.ArgumentError, match="`depth` is 1e300.*depths must fit float32"):
+        CAMERA.depth_uncertainty(np.full((1, 1), 1e300))
+    with pytest.raises(hazcam.ArgumentError, match="a map of depths .* in metres"):
+        CAMERA.depth_uncertainty(np.ones(3))
 
 
 def test_sixteenths_of_a_pixel_are_doubted():
-    of_opencv = np.array([[800, -16]], np.int16)
+    of_opencv = np.array([[80, 16]], np.int16)
     with pytest.warns(hazcam.HazcamWarning, match="`disparity` is an array of int16.*sixteenths"):
         CAMERA.depth(of_opencv)

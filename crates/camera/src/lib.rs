@@ -6,6 +6,8 @@
 //! centres lie at whole numbers.
 #![forbid(unsafe_code)]
 
+mod doubt;
 mod stereo;
 
+pub use doubt::{too_large, widest};
 pub use stereo::{CameraError, DISPARITY_ERROR, StereoCamera, middle};

@@ -29,12 +29,6 @@ pub struct CameraError {
 /// are sure of, 93 of 100 lie as near to the truth as that (docs/RELIABILITY.md).
 pub const DISPARITY_ERROR: f64 = 1.0;
 
-/// Of cameras that look at scenes: pixels of the focal length at the least, metres of baselines.
-const LEAST_FOCAL: f64 = 10.0;
-const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=20.0;
-/// Principal points lie within so much of the size of images from their middle.
-const OFF_MIDDLE: f64 = 0.25;
-
 /// Column and row of the middle of an image of `(columns, rows)`, to the half pixel: the principal point
 /// where none is known.
 pub fn middle((columns, rows): (usize, usize)) -> [f64; 2] {
@@ -113,32 +107,6 @@ impl StereoCamera {
         let place = |at: f64| (at + 0.5) * times - 0.5;
         let (focal_px, doffs) = (self.focal_px * times, self.doffs * times);
         Self::new(focal_px, self.baseline_m, doffs, place(self.cx), place(self.cy))
-    }
-
-    /// What is unusual about its numbers, as it is where one is in another unit: a sentence.
-    pub fn doubt(&self) -> Option<String> {
-        let Self { focal_px, baseline_m, .. } = *self;
-        if focal_px < LEAST_FOCAL {
-            Some(format!(
-                "the focal length is {} px, which is less than cameras have: is it in millimetres or metres? \
-                 Divide it by the width of a pixel",
-                focal_px as f32
-            ))
-        } else if !BASELINES.contains(&baseline_m) {
-            Some(format!(
-                "the baseline is {} m, which is unusual: was it in metres (Middlebury's calib.txt: millimetres)?",
-                baseline_m as f32
-            ))
-        } else {
-            None
-        }
-    }
-
-    /// Whether its principal point lies far from the middle of a map of `(columns, rows)`, as it does where that was made
-    /// at another scale than the camera is of, or cut out.
-    pub fn is_off_middle(&self, (columns, rows): (usize, usize)) -> bool {
-        let share = |place: f64, size: usize| ((place + 0.5) / size as f64 - 0.5).abs();
-        share(self.cx, columns).max(share(self.cy, rows)) > OFF_MIDDLE
     }
 
     /// Depth in metres of a disparity in pixels: `f B / (d + doffs)`.
@@ -344,17 +312,6 @@ mod tests {
             let error = StereoCamera::new(focal, baseline, 0.0, 0.0, 0.0).unwrap_err();
             let expected = format!("times baseline in metres is {product}, but it must be finite");
             assert!(error.to_string().contains(&expected), "{error}");
-        }
-    }
-
-    #[test]
-    fn numbers_in_other_units_are_doubted() {
-        let about =
-            |focal, baseline| StereoCamera::new(focal, baseline, 0.0, 0.0, 0.0).unwrap().doubt();
-        assert_eq!([about(700.0, 0.12), about(10.0, 0.001), about(5e3, 20.0)], [None, None, None]);
-        assert!(about(0.004, 0.12).unwrap().contains("focal length is 0.004 px"));
-        for baseline in [1.67e-4, 120.0] {
-            assert!(about(700.0, baseline).unwrap().contains("the baseline is"));
         }
     }
 

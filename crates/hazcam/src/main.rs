@@ -7,7 +7,6 @@ mod arguments;
 mod cli;
 mod clock;
 mod commands;
-mod kept;
 mod map;
 mod outputs;
 mod rig;

@@ -31,12 +31,6 @@ pub struct Map {
     pub disparities: Plane<f32>,
 }
 
-/// Disparities of more pixels are not believed in a map of so many columns. Matches lie within the image, but a map may
-/// be a part of it.
-pub fn widest(columns: usize) -> f32 {
-    (2 * columns.max(64)) as f32
-}
-
 /// The SHA-256 of a file in hexadecimal digits; none for a pipe, which can be read only once.
 pub fn sha256(path: &Path) -> io::Result<Option<String>> {
     if !fs::metadata(path)?.is_file() {
@@ -54,14 +48,8 @@ impl Map {
     /// Reads a map and says what had to be assumed.
     pub fn read(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Self> {
         let disparities = disparities(path, encoding, ui)?;
-        let (columns, most) =
-            (disparities.columns(), disparities.samples().iter().copied().fold(0.0, f32::max));
-        if most > widest(columns) {
-            ui.warn(format_args!(
-                "{}: disparities of up to {most} px in a map of {columns} columns: nothing is matched as far away; is it \
-                 a map of depth, or is another --encoding meant?",
-                path.display()
-            ));
+        if let Some(doubt) = camera::too_large(&disparities) {
+            ui.warn(format_args!("{}: {doubt}", path.display()));
         }
         Ok(Self { path: path.to_owned(), disparities })
     }
@@ -151,9 +139,16 @@ impl Map {
 
 /// Reads disparities and says what had to be assumed.
 fn disparities(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Plane<f32>> {
-    let ReadDisparity { values, note, .. } = formats::read_disparity(path, encoding)?;
+    let ReadDisparity { values, encoding, note } = formats::read_disparity(path, encoding)?;
     if let Some(note) = note {
         ui.note(format_args!("{}: {note}", path.display()));
     }
-    Ok(values)
+    Ok(match encoding {
+        // Where 0 says that there is none, a disparity of 0 is written as the least that is left: it is no distance.
+        Encoding::Png16 { divisor } => {
+            let least = 1.0 / divisor;
+            values.map(|&d| if d == least { 0.0 } else { d })
+        }
+        _ => values,
+    })
 }

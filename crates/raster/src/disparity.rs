@@ -86,11 +86,15 @@ pub struct DisparityMap {
     pub reasons: Plane<Reason>,
     /// How sure the value is, 0 (a guess) to 1; 0 where there is no value. It ranks pixels and is no
     /// probability: `hazcam bench --reliability` tells how many are wrong from which value on. What is filled, and what
-    /// lies within half a pixel of an end of the range, has .05 at the most, in `fast` 0 or next to it.
+    /// lies within half a pixel of an end of the range, has [`DisparityMap::MOST_OF_A_GUESS`] at the most, in `fast` 0 or
+    /// next to it.
     pub confidence: Plane<f32>,
 }
 
 impl DisparityMap {
+    /// No matcher is surer of what was filled in without a match.
+    pub const MOST_OF_A_GUESS: f32 = 0.05;
+
     /// A map without any value.
     pub fn empty(columns: usize, rows: usize) -> Self {
         Self {

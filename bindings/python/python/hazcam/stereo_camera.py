@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from numbers import Real
 from os import PathLike
 from typing import Any
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from . import _hazcam
 from .disparity_map import DisparityMap, Reason, in_pixels
 from .doubts import warn
-from .errors import ArgumentError
+from .errors import ArgumentError, ArgumentTypeError
 
 
 @dataclass(frozen=True)
@@ -89,10 +90,13 @@ class StereoCamera:
 
         Raises ArgumentError, ArgumentTypeError: for a map of another size than the camera's images,
         and ``min_confidence`` without a matcher's map. Warns (HazcamWarning) of pixels that were
-        filled in without a match and not left out: their depth is a guess.
+        filled in without a match and not left out, whose depth is a guess, and of disparities that
+        are larger than any match has, or mostly of nothing in front of the cameras.
         """
-        farthest = np.inf if max_depth is None else checked(max_depth)
-        depth = _hazcam.depth(self, sure(disparity, min_confidence))
+        farthest = metres(max_depth)
+        depth, doubts = _hazcam.depth(self, sure(disparity, min_confidence))
+        for doubt in doubts:
+            warn(doubt)
         depth[depth > farthest] = np.nan
         return depth
 
@@ -109,8 +113,10 @@ class StereoCamera:
         others. A map of a part of the image needs ``cx`` and ``cy``: its middle is another. Errors
         and warnings are those of :meth:`depth`.
         """
-        farthest = np.inf if max_depth is None else checked(max_depth)
-        points = _hazcam.points(self, sure(disparity, min_confidence))
+        farthest = metres(max_depth)
+        points, doubts = _hazcam.points(self, sure(disparity, min_confidence))
+        for doubt in doubts:
+            warn(doubt)
         points[points[..., 2] > farthest] = np.nan
         return points
 
@@ -128,7 +134,7 @@ class StereoCamera:
 
 def sure(disparity: DisparityMap | NDArray[Any], min_confidence: float) -> NDArray[Any]:
     """Disparities without those that a matcher was less sure of."""
-    if not 0 <= min_confidence <= 1:
+    if not 0 <= number("min_confidence", min_confidence) <= 1:
         raise ArgumentError(f"`min_confidence` is {min_confidence!r}, but it must be from 0 to 1")
     if not isinstance(disparity, DisparityMap):
         if min_confidence > 0:
@@ -137,21 +143,32 @@ def sure(disparity: DisparityMap | NDArray[Any], min_confidence: float) -> NDArr
                 "the DisparityMap that a matcher answered"
             )
         return in_pixels("disparity", disparity)
+    values = disparity.values
     if min_confidence > 0:
-        return np.where(disparity.confidence >= min_confidence, disparity.values, np.float32(np.nan))
-    if np.any((disparity.reasons != Reason.MATCHED) & ~np.isnan(disparity.values)):
+        values = np.where(disparity.confidence >= min_confidence, values, np.float32(np.nan))
+    if np.any((disparity.reasons != Reason.MATCHED) & ~np.isnan(values)):
         warn(
-            "some disparities were filled in without a match, so their depth is a guess: leave them out by "
-            "min_confidence, or match with holes='keep'"
+            "some disparities were filled in without a match, so their depth is a guess: leave them out by a "
+            "min_confidence above 0.05, or match with holes='keep'"
         )
-    return disparity.values
+    return values
 
 
-def checked(max_depth: float) -> float:
-    """Metres beyond which there is to be no depth."""
-    if not max_depth > 0:
+def metres(max_depth: float | None) -> float:
+    """How far away something may be and still have a depth."""
+    if max_depth is None:
+        return np.inf
+    if not number("max_depth", max_depth) > 0:
         raise ArgumentError(f"`max_depth` is {max_depth!r}, but it must be positive, in metres")
     return max_depth
+
+
+def number(name: str, value: float) -> float:
+    """An argument that is a number; truth values are none."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        kind = type(value).__name__
+        raise ArgumentTypeError(f"`{name}` is {value!r} ({kind}), but a number is needed")
+    return value
 
 
 def read_calibration(
@@ -161,14 +178,17 @@ def read_calibration(
     right camera's).
 
     OpenCV's YAML does not say in which unit its baseline is: that of the squares of the board that
-    was calibrated with. It is taken as metres.
+    was calibrated with. It is taken as metres. ROS's file of the right camera does not say where the
+    left one's principal point is: it is taken to be the same (``doffs`` 0), as ROS rectifies pairs.
 
     KITTI's files hold a grey and a colour pair, whose baselines differ: by the folder of the
     ``left`` image (``image_2`` is colour) the right one is taken. A calibration is that of images
     of one size, which the camera has where the file says it; see :meth:`StereoCamera.scaled`.
 
     Raises MissingFileError, FileAccessError, FileContentError. Warns (HazcamWarning) where a number
-    seems to be in another unit.
+    seems to be in another unit, and where the file lacks the pair of the ``left`` image.
     """
-    numbers, size = _hazcam.read_calibration(path, left)
+    numbers, size, doubt = _hazcam.read_calibration(path, left)
+    if doubt is not None:
+        warn(doubt)
     return StereoCamera(*numbers, size=size)

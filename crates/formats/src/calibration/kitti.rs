@@ -107,10 +107,14 @@ mod tests {
         let (grey, colour) = SAMPLE.split_at(SAMPLE.find("P2").unwrap());
         let [both, grey, colour] = [SAMPLE, grey, colour].map(|text| read(text).unwrap());
         let (of_grey, of_colour) = ("image_00/data/0000000000.png", "image_2/000000_10.png");
-        assert_eq!([of_grey, of_colour].map(|left| both.lacks_pair_of(left)), [None; 2]);
-        assert_eq!(grey.lacks_pair_of(of_colour), Some(["P2", "P3"]));
-        assert_eq!(colour.lacks_pair_of(of_grey), Some(["P0", "P1"]));
-        assert_eq!([grey.lacks_pair_of(of_grey), grey.lacks_pair_of("left.png")], [None; 2]);
+        assert_eq!([of_grey, of_colour].map(|left| both.doubt_of(left)), [None, None]);
+        let doubt = grey.doubt_of(of_colour).unwrap();
+        assert!(
+            doubt.starts_with("P2 and P3, of the pair") && doubt.contains(of_colour),
+            "{doubt}"
+        );
+        assert!(colour.doubt_of(of_grey).unwrap().starts_with("P0 and P1"));
+        assert_eq!([grey.doubt_of(of_grey), grey.doubt_of("left.png")], [None, None]);
     }
 
     #[test]

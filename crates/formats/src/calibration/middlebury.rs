@@ -20,8 +20,16 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     entries.rectified(["cam0", "cam1"], &[cam0, cam1])?;
     let doffs = doffs(entries, cam1[2] - cam0[2])?;
     let baseline_m = entries.number("baseline")? / 1000.0;
-    let isint: Option<Flag> = entries.optional("isint", "0 or 1")?;
     let camera = entries.camera(cam0[0], baseline_m, doffs, cam0[2], cam0[5])?;
+    with_extent(entries, Calibration::of(CalibrationLayout::Middlebury, camera))
+}
+
+/// With the images' size and what helps with display, where they are there.
+fn with_extent(
+    entries: &Entries<'_>,
+    calibration: Calibration,
+) -> Result<Calibration, FormatError> {
+    let isint: Option<Flag> = entries.optional("isint", "0 or 1")?;
     let stated = [entries.optional("width", SIZE)?, entries.optional("height", SIZE)?];
     let size = entries.size(["width", "height"], stated)?;
     let ndisp: Option<NonZero<usize>> = entries.optional("ndisp", "a whole number, 1 or more")?;
@@ -39,7 +47,7 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         isint: isint.map(|flag| flag.0),
         vmin,
         vmax,
-        ..Calibration::of(CalibrationLayout::Middlebury, camera).sized(size)
+        ..calibration.sized(size)
     })
 }
 
@@ -77,13 +85,13 @@ impl FromStr for Flag {
     }
 }
 
-/// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`.
+/// `f`, `cx0`, `cx1`, `cy`, `doffs`, `baseline_m`, and the rest as Middlebury has it.
 pub(super) fn parse_lunar(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
     let cx0 = entries.number("cx0")?;
     let doffs = doffs(entries, entries.number("cx1")? - cx0)?;
     let (focal, baseline) = (entries.number("f")?, entries.number("baseline_m")?);
     let camera = entries.camera(focal, baseline, doffs, cx0, entries.number("cy")?)?;
-    Ok(Calibration::of(CalibrationLayout::Lunar, camera))
+    with_extent(entries, Calibration::of(CalibrationLayout::Lunar, camera))
 }
 
 /// What [`parse`] reads.
@@ -196,6 +204,11 @@ mod tests {
         assert_eq!(calibration.camera, expected);
         let without = read(&text.replace("doffs=33\n", "")).unwrap();
         assert_eq!(without.camera, expected);
+        let sized = read(&format!("{text}width=463\nheight=508\nndisp=64\n")).unwrap();
+        assert_eq!((sized.width, sized.height, sized.ndisp), (Some(463), Some(508), Some(64)));
+        assert!(
+            read(&format!("{text}width=0\nheight=508\n")).unwrap_err().contains("`width` is 0")
+        );
         assert!(read(&text.replace("cy", "cz")).unwrap_err().contains("`cy` is missing"));
         assert!(read(&text.replace("=33", "=0")).unwrap_err().contains("`doffs` is 0"));
     }

@@ -7,6 +7,8 @@
 //! | OpenCV's YAML | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
 //! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4; `P` or `p` of a `CameraInfo` that was printed | `-P[0][3] / f`, metres | as the left one, `doffs = 0` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
+//!
+//! `width`, `height`, `ndisp`, `isint`, `vmin` and `vmax` are read from the first layout and the last.
 
 mod kitti;
 mod middlebury;
@@ -98,11 +100,21 @@ impl Calibration {
         }
     }
 
-    /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder, so
-    /// that [`Calibration::camera_of`] gives the other pair.
-    pub fn lacks_pair_of(&self, left: impl AsRef<Path>) -> Option<[&'static str; 2]> {
-        let is_colour =
-            is_colour(left.as_ref()).filter(|_| self.layout == CalibrationLayout::Kitti)?;
+    /// Says that the file lacks the cameras of a left image, by the folder it lies in, so that
+    /// [`Calibration::camera_of`] gives those of the other pair.
+    pub fn doubt_of(&self, left: impl AsRef<Path>) -> Option<String> {
+        let left = left.as_ref();
+        let [one, other] = self.lacks_pair_of(left)?;
+        Some(format!(
+            "{one} and {other}, of the pair that {} belongs to by its folder, are not both there: the cameras of the \
+             other pair were taken, whose baseline differs by about a per cent",
+            left.display()
+        ))
+    }
+
+    /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder.
+    fn lacks_pair_of(&self, left: &Path) -> Option<[&'static str; 2]> {
+        let is_colour = is_colour(left).filter(|_| self.layout == CalibrationLayout::Kitti)?;
         match is_colour {
             true => self.colour_camera.is_none().then_some(["P2", "P3"]),
             false => (self.colour_camera == Some(self.camera)).then_some(["P0", "P1"]),

@@ -9,7 +9,6 @@ use formats::{Encoding, View, write_view};
 use raster::Plane;
 
 use crate::arguments;
-use crate::kept::{self, Limits};
 use crate::map::Map;
 use crate::outputs::{self, Output};
 use crate::rig::CameraArguments;
@@ -127,8 +126,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     outputs::write_all_or_none(&[page(&args.output, &view)])?;
     match &camera {
         Some(camera) => {
-            let (_, counts) = kept::depths(&map.disparities, camera, &Limits::default());
-            if let Some(doubt) = counts.doubt(&map.disparities, camera) {
+            if let Some(doubt) = camera.doubt_of(&map.disparities) {
                 ui.warn(doubt);
             }
         }

@@ -32,6 +32,9 @@ fn guesses_are_told_of_where_nobody_leaves_them_out() {
     folder.record("d.pfm", some);
     assert!(told("").contains("20.0 % of the disparities were filled in"), "{}", told(""));
     assert_eq!(told("--confidence sure.pfm --min-confidence 0.5"), "");
+    // Guesses are as sure as that.
+    let low = told("--confidence sure.pfm --min-confidence 0.05");
+    assert!(low.contains("a --min-confidence above 0.05"), "{low}");
     folder.record("d.pfm", r#"{"matched": 1}"#);
     assert_eq!(told(""), "");
     for record in [&format!(r#"{{"reasons": {some}}}"#), "[1, 2", "{}"] {
@@ -43,6 +46,16 @@ fn guesses_are_told_of_where_nobody_leaves_them_out() {
     let found = disparities(folder.path("d.pfm"));
     formats::write_disparity(folder.path("d.pfm"), &found.map(|d| d + 1.0)).unwrap();
     assert_eq!(told(""), "");
+}
+
+#[test]
+fn a_disparity_of_0_has_no_depth_in_a_png_either() {
+    let folder = Folder::new();
+    folder.disparities("d.png", &[50.0, 0.0, f32::NAN, 10.0]);
+    let json = folder.run(&format!("depth d.png {CAMERA} --json")).done().stdout;
+    let reach: Value = serde_json::from_str(&json).unwrap();
+    let counts = ["kept", "behind", "without_disparity"].map(|name| reach["pixels"][name].as_u64());
+    assert_eq!(counts, [Some(2), Some(1), Some(1)], "{json}");
 }
 
 #[test]

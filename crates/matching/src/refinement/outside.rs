@@ -2,7 +2,7 @@
 //! finished disparities: columns and rows between the matched ones, and the median, move disparities across its border
 //! and to the ends of the range.
 
-use raster::{DisparityRange, Reason};
+use raster::{DisparityMap, DisparityRange, Reason};
 
 use crate::kernels::level::at_every_level;
 
@@ -16,7 +16,7 @@ pub(crate) fn is_outside(width: usize, column: usize, disparity: f32) -> bool {
 /// The most that is believed of what was filled, and of what lies within half a pixel of an end of the range: of what is
 /// nearer than the range a quarter to a half gets its disparity there, and at disparity 0, where most ranges begin, is
 /// what both cameras have in one place, as dust on lenses and blocks of compression.
-const UNSURE: f32 = 0.05;
+const UNSURE: f32 = DisparityMap::MOST_OF_A_GUESS;
 
 at_every_level! {
     /// Sets the reasons of a row of disparities that begins at a column of the image: what lies outside is so

@@ -1,5 +1,6 @@
 //! `hazcam depth`: a disparity map and a camera in, depth and points out.
 
+mod kept;
 mod points;
 mod reach;
 
@@ -9,14 +10,14 @@ use std::process::ExitCode;
 use anyhow::bail;
 use camera::{DISPARITY_ERROR, StereoCamera};
 use formats::{Encoding, MOST_METRES_IN_PNG, Point, write_depth, write_points};
-use raster::Plane;
+use raster::{DisparityMap, Plane};
 
 use crate::arguments;
-use crate::kept::{self, Limits};
 use crate::map::Map;
 use crate::outputs::{self, Output};
 use crate::rig::CameraArguments;
 use crate::ui::Ui;
+use kept::Limits;
 use reach::Reach;
 
 /// Turn a disparity map into depth and points, and say how good they are at which range
@@ -127,15 +128,16 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         .unwrap_or_default();
     let points = points.as_deref().unwrap_or_default();
     outputs::write_all_or_none(&all(&args, [&depths, &uncertainty], points))?;
-    if let Some(doubt) = counts.doubt(&map.disparities, &camera) {
+    if let Some(doubt) = camera.doubt_of(&map.disparities) {
         ui.warn(doubt);
     }
-    if confidence.is_none()
+    let most = DisparityMap::MOST_OF_A_GUESS;
+    if args.min_confidence.is_none_or(|least| least <= most)
         && counts.kept > 0
         && let Some(guesses) = map.guesses()
     {
         ui.note(format_args!(
-            "{guesses}: leave them out by --confidence and --min-confidence, or match with --holes keep",
+            "{guesses}: leave them out by --confidence and a --min-confidence above {most}, or match with --holes keep",
         ));
     }
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);

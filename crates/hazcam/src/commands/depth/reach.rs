@@ -1,11 +1,10 @@
 //! How good depth is at which range: what an error of the disparity is worth.
 
-use camera::StereoCamera;
+use camera::{StereoCamera, widest};
 use raster::Plane;
 use serde::Serialize;
 
-use crate::kept::Counts;
-use crate::map::widest;
+use super::kept::Counts;
 
 /// Errors of the depth, as shares of it, that one asks for.
 const SHARES: [f64; 3] = [0.01, 0.05, 0.1];

@@ -29,32 +29,6 @@ pub struct Counts {
     pub too_far: usize,
 }
 
-impl Counts {
-    /// Says that most disparities of the map are of nothing in front of the cameras, if so, and what that usually
-    /// comes from.
-    pub fn doubt(&self, disparities: &Plane<f32>, camera: &StereoCamera) -> Option<String> {
-        let all = self.kept + self.behind + self.unsure + self.too_far;
-        if 2 * self.behind <= all {
-            return None;
-        }
-        let behind = |d: &&f32| !d.is_nan() && camera.depth(f64::from(**d)).is_none();
-        let mut behind = disparities.samples().iter().filter(behind);
-        let first = behind.next();
-        let said = format!("{} of {all} disparities are", self.behind);
-        Some(match first {
-            Some(mark) if self.kept > 0 && behind.all(|other| other == mark) => format!(
-                "{said} {mark}, which is nothing in front of the cameras: if that stands for no value, as \
-                 OpenCV's -1 and 0 in pictures do, it must be NaN in this file"
-            ),
-            _ => format!(
-                "{said} of nothing in front of the cameras{}: give the pair's own --doffs (a pair that was cropped, \
-                 turned inwards or exchanged has one), or exchange left and right",
-                if self.kept > 0 { ", so depths of the others are not to be trusted" } else { "" }
-            ),
-        })
-    }
-}
-
 /// The depth of each pixel in metres, NaN where there is none.
 pub fn depths(
     disparities: &Plane<f32>,
@@ -104,18 +78,6 @@ mod tests {
         assert!(depth.samples()[1..].iter().all(|depth| depth.is_nan()));
         let expected = Counts { kept: 1, without_disparity: 1, behind: 2, unsure: 1, too_far: 1 };
         assert_eq!(counts, expected);
-        assert_eq!(counts.doubt(&map, &camera), None);
-        let doubt = Counts { behind: 4, ..expected }.doubt(&map, &camera).unwrap();
-        assert!(doubt.starts_with("4 of 7 disparities") && doubt.contains("--doffs"), "{doubt}");
-    }
-
-    #[test]
-    fn one_number_again_and_again_stands_for_no_value() {
-        let camera = StereoCamera::new(1000.0, 0.2, 0.0, 0.0, 0.0).unwrap();
-        let map = Plane::new(4, 1, vec![-1.0, 50.0, -1.0, -1.0]).unwrap();
-        let (_, counts) = depths(&map, &camera, &Limits { confidence: None, max_depth: None });
-        let doubt = counts.doubt(&map, &camera).unwrap();
-        assert!(doubt.starts_with("3 of 4 disparities are -1, "), "{doubt}");
     }
 
     #[test]
