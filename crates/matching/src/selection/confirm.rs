@@ -8,8 +8,8 @@
 //!   `k - 1`, `k` or `k + 1` (Fua 1993); of several least ones the first counts, as in the left view. The
 //!   right view's sums stand along diagonals of the left one's, so it costs no second matching.
 //! * **Where nothing tells disparities apart**, on a blank wall, all sums are the same, and both views take the first
-//!   of them. So a winner that is no less than the next disparity must not be the first one in either view. Of one
-//!   disparity alone nothing is told.
+//!   of them. So a winner that is no less than the next disparity must not be the first one in either view. Where one
+//!   disparity alone lies within the right image, or in the range, nothing is told.
 //! * **The fraction** is that of a V through the sums `a, c, b` before, at and after the winner,
 //!   the shape that absolute differences have around their minimum: `(a - b) / (2 (max(a, b) - c))`
 //!   (Shimizu & Okutomi 2001); 0 at the ends of the range.
@@ -97,12 +97,12 @@ fn evaluate(
     let (least, before, after) = (&least[..n], &before[..n], &after[..n]);
     let (mut is_found, mut is_inner) = ([0u16; BLOCK], [0u16; BLOCK]);
     let (is_found, is_inner) = (&mut is_found[..n], &mut is_inner[..n]);
-    let compared = last > 0;
     for i in 0..n {
         let inner = index[i] < last;
         let blank = (index[i].min(opposite[i]) == 0) & inner & (least[i] == after[i]);
+        let alone = (before[i] >= OUT) & (!inner | (after[i] >= OUT));
         let confirmed = index[i].abs_diff(opposite[i]) <= 1;
-        let found = (u16::from(least[i]) < OUT.into()) & confirmed & !blank & compared;
+        let found = (u16::from(least[i]) < OUT.into()) & confirmed & !blank & !alone;
         is_found[i] = u16::from(found).wrapping_neg();
         is_inner[i] = u16::from(inner).wrapping_neg();
     }
@@ -187,6 +187,10 @@ mod tests {
             ([0, 4, OUT, 4, 0], (f32::NAN, 0.0)),
             ([1, 4, 9, 4, 0], (f32::NAN, 0.0)),
             ([1, 4, 9, 4, 1], (0.5, 0.5555556)),
+            // Alone at either end of the range, and between two whose matches lie outside.
+            ([0, 4, OUT, OUT, 0], (f32::NAN, 0.0)),
+            ([4, 4, OUT, 6, 4], (f32::NAN, 0.0)),
+            ([2, 4, OUT, OUT, 2], (f32::NAN, 0.0)),
             // A flat valley.
             ([3, 5, 5, 5, 3], (2.0, 0.0)),
         ];
