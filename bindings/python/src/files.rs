@@ -12,16 +12,16 @@ use crate::images::from_image;
 use crate::planes::{DISPARITIES, map};
 use crate::stereo_camera::{Numbers, numbers};
 
-/// A picture as an array, and how it is to be turned to be looked at, which is not done.
+/// A picture as an array, and what else its file holds, of which nothing is made.
 #[pyfunction]
 pub fn read_image<'py>(
     py: Python<'py>,
     path: &Bound<'py, PyAny>,
-) -> PyResult<(Bound<'py, PyAny>, Option<u8>)> {
+) -> PyResult<(Bound<'py, PyAny>, Vec<String>)> {
     let path = self::path("path", path)?;
     let read = detached(py, || formats::read_image_and_bytes(path))?;
     let (image, bytes) = read.map_err(of_file)?;
-    Ok((from_image(py, image), formats::exif_orientation(&bytes)))
+    Ok((from_image(py, image), formats::unused(&bytes)))
 }
 
 /// A map of disparities, and what had to be assumed.

@@ -19,8 +19,8 @@ use crate::passing::{PREFIX, PassingFile};
 /// yet to be made; a file that was there hands on its permissions. What is not a regular file
 /// (`/dev/stdout`, a pipe) cannot be renamed into place and is written directly.
 ///
-/// Errors: [`FormatError::Write`] when the folder is missing or not writable, `path` is a folder,
-/// or `content` fails.
+/// Errors: [`FormatError::Write`] when the folder is missing or not writable, `path` is a folder or a
+/// write-protected file, or `content` fails.
 pub fn write_atomically(
     path: impl AsRef<Path>,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -53,14 +53,17 @@ pub(crate) struct Place {
 impl Place {
     /// The place that `path` names, `None` for what cannot be replaced, such as a pipe.
     pub fn of(path: &Path) -> Result<Option<Self>, FormatError> {
+        let refused = |problem: &str| {
+            let (path, problem) = (path.to_owned(), problem.to_owned());
+            Err(FormatError::Write { path, problem, os_error: None, source: None })
+        };
         let permissions = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => {
-                return Err(FormatError::Write {
-                    path: path.to_owned(),
-                    problem: "it is a folder; name a file in it".to_owned(),
-                    os_error: None,
-                    source: None,
-                });
+            Ok(found) if found.is_dir() => return refused("it is a folder; name a file in it"),
+            // To rename a file into its place would not ask.
+            Ok(found) if found.is_file() && found.permissions().readonly() => {
+                return refused(
+                    "it is write-protected; make it writable (chmod u+w), or name another file",
+                );
             }
             Ok(found) if found.is_file() => Some(found.permissions()),
             Ok(_) => return Ok(None),
@@ -276,7 +279,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_new_file_has_the_rights_of_any_new_file_and_an_old_one_keeps_its_own() {
+    fn a_new_file_has_the_rights_of_any_new_file_and_an_old_one_keeps_its_own_and_is_asked() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (ours, plain) = (folder.path().join("ours"), folder.path().join("plain"));
@@ -284,10 +287,14 @@ mod tests {
         fs::write(&plain, "").unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
         assert_eq!(mode(&ours), mode(&plain));
-        for rights in [0o600, 0o664, 0o400] {
+        for rights in [0o600, 0o664, 0o755] {
             fs::set_permissions(&ours, fs::Permissions::from_mode(rights)).unwrap();
             write_atomically(&ours, |w| w.write_all(b"new")).unwrap();
             assert_eq!(mode(&ours), rights);
         }
+        fs::set_permissions(&ours, fs::Permissions::from_mode(0o444)).unwrap();
+        let error = write_atomically(&ours, |w| w.write_all(b"newer")).unwrap_err().to_string();
+        assert!(error.contains("it is write-protected"), "{error}");
+        assert_eq!(fs::read(&ours).unwrap(), b"new");
     }
 }

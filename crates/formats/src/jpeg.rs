@@ -53,13 +53,23 @@ pub(crate) fn decode(source: &Source) -> Result<Decoded, FormatError> {
     Ok(Decoded { image, stored: Stored { samples, bits: 8, exact: true } })
 }
 
-/// Walks the markers to the end of the image (EOI), because decoders make up what is missing.
+/// Errors where the end of the image is missing: decoders make up what is not there.
 fn check_end(source: &Source) -> Result<(), FormatError> {
     let bytes = &source.bytes;
-    let cut = || {
-        let problem = "the file ends before the picture does: was it copied whole?";
-        source.malformed(FORMAT, bytes.len() as u64, problem)
-    };
+    let problem = "the file ends before the picture does: was it copied whole?";
+    let cut = || source.malformed(FORMAT, bytes.len() as u64, problem);
+    end(bytes).map(drop).ok_or_else(cut)
+}
+
+/// Whether a file that begins with a picture holds another one behind it.
+pub(crate) fn goes_on(bytes: &[u8]) -> bool {
+    const BEGINNING: [u8; 3] = [0xff, 0xd8, 0xff];
+    let end = if bytes.starts_with(&BEGINNING) { end(bytes) } else { None };
+    end.is_some_and(|end| bytes[end..].array_windows().any(|bytes| *bytes == BEGINNING))
+}
+
+/// Where the first picture ends, by its markers; `None` where the file ends before it.
+fn end(bytes: &[u8]) -> Option<usize> {
     let mut at = 2;
     loop {
         // To the next marker: in compressed data 0xff is followed by 0 or a restart marker.
@@ -69,11 +79,10 @@ fn check_end(source: &Source) -> Result<(), FormatError> {
             }
             at += 1;
         }
-        match bytes.get(at + 1) {
-            None => return Err(cut()),
-            Some(0xd9) => return Ok(()),
-            Some(_) => {
-                let length = bytes.get(at + 2..at + 4).ok_or_else(cut)?;
+        match bytes.get(at + 1)? {
+            0xd9 => return Some(at + 2),
+            _ => {
+                let length = bytes.get(at + 2..at + 4)?;
                 at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]]));
             }
         }

@@ -18,6 +18,28 @@ use crate::source::{Container, MAX_FILE_BYTES, Source};
 /// Deflate never shrinks by more than this, so a file bounds the pixels that it can hold.
 const LARGEST_DEFLATE_RATIO: u64 = 1032;
 
+/// Whether a file is an animation of more than one frame.
+pub(crate) fn is_animated(bytes: &[u8]) -> bool {
+    const BEGINNING: &[u8] = b"\x89PNG\r\n\x1a\n";
+    let mut rest = bytes.strip_prefix(BEGINNING).unwrap_or_default();
+    // The length of what a chunk holds, its name, that, and a checksum.
+    while let Some((head, behind)) = rest.split_first_chunk::<8>() {
+        let [length, name] =
+            [0, 4].map(|i| <[u8; 4]>::try_from(&head[i..i + 4]).expect("four bytes"));
+        let length = u32::from_be_bytes(length) as usize;
+        if name == *b"acTL" {
+            let frames = behind.first_chunk().map_or(0, |frames| u32::from_be_bytes(*frames));
+            return frames > 1;
+        }
+        rest = behind.get(length.saturating_add(4)..).unwrap_or_default();
+        // It stands before the picture.
+        if name == *b"IDAT" {
+            return false;
+        }
+    }
+    false
+}
+
 /// Decodes the picture of a PNG file.
 pub(crate) fn decode(source: &Source) -> Result<Decoded, FormatError> {
     let failed = |error: DecodingError| explain(source, error);

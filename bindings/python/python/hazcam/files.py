@@ -21,16 +21,13 @@ def read_image(path: str | PathLike[str]) -> Image:
 
     uint8 or uint16 as the file has them, shape (rows, columns) for grey or (rows, columns, 3) for
     red, green, blue. Alpha is dropped. Warns (HazcamWarning) where EXIF says that the picture is to
-    be turned, which is not done.
+    be turned, which is not done, and where the file holds more pictures than the first, which is read.
 
     Raises MissingFileError, FileAccessError, FileContentError.
     """
-    image, orientation = _hazcam.read_image(path)
-    if orientation is not None:
-        warn(
-            f"{path}: its EXIF says that it is to be turned for a viewer (orientation {orientation}), which is not "
-            "done here, but by OpenCV and others: rows must be those along which the cameras stand"
-        )
+    image, unused = _hazcam.read_image(path)
+    for what in unused:
+        warn(f"{path}: {what}")
     return image
 
 

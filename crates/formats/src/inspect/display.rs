@@ -16,7 +16,7 @@ impl fmt::Display for FileInfo {
                 rows,
                 bits,
                 stored,
-                orientation,
+                unused,
                 samples,
                 as_disparities,
                 ..
@@ -24,14 +24,9 @@ impl fmt::Display for FileInfo {
                 writeln!(f, "{path}: {} picture, {bytes} bytes", format.name())?;
                 writeln!(f, "  size         {columns} x {rows}")?;
                 writeln!(f, "  samples      {stored}, {bits} bit")?;
-                if let Some(orientation) = orientation {
-                    writeln!(
-                        f,
-                        "  orientation  {orientation} (EXIF), not applied: pixels are taken as they lie"
-                    )?;
-                }
                 write!(f, "  values       {samples}")?;
-                readings(f, as_disparities)
+                readings(f, as_disparities)?;
+                unused.iter().try_for_each(|what| write!(f, "\n  not used     {what}"))
             }
             FileContent::Floats { format, columns, rows, values } => {
                 writeln!(f, "{path}: {} of float32, {bytes} bytes", format.name())?;

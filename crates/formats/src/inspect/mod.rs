@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::image::{self, Decoded};
 use crate::npy::{self, Array, Dtype};
 use crate::source::{Container, Source};
-use crate::{Calibration, Encoding, FormatError, calibration, exif_orientation, pfm, tiff};
+use crate::{Calibration, Encoding, FormatError, calibration, pfm, tiff, unused};
 
 /// What a file holds. Displays as a few lines of text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,8 +43,8 @@ pub enum FileContent {
         bits: u8,
         /// How the samples are stored: `grey`, `colour with alpha` and so on.
         stored: &'static str,
-        /// How it is to be turned to be looked at, which is not done ([`exif_orientation`]).
-        orientation: Option<u8>,
+        /// What else the file holds, of which nothing is made ([`unused`]).
+        unused: Vec<String>,
         /// Over all channels, as decoded.
         samples: Statistics,
         /// For grey that may be a disparity map: the scales in use, and what they would make of it.
@@ -186,7 +186,7 @@ fn array(source: &Source) -> Result<FileContent, FormatError> {
 }
 
 fn picture(format: Container, decoded: &Decoded, source: &Source) -> FileContent {
-    let orientation = exif_orientation(&source.bytes);
+    let unused = unused(&source.bytes);
     let Decoded { image, stored } = decoded;
     let (columns, rows) = image.size();
     let eight = |samples: &[u8]| Statistics::of(samples.iter().map(|&v| f64::from(v)));
@@ -213,7 +213,7 @@ fn picture(format: Container, decoded: &Decoded, source: &Source) -> FileContent
         channels,
         bits: stored.bits,
         stored: stored.samples,
-        orientation,
+        unused,
         samples,
         as_disparities,
     }

@@ -8,16 +8,6 @@ use raster::{DisparityRange, Image};
 use super::Args;
 use crate::ui::Ui;
 
-/// That an image is to be turned to be looked at.
-pub fn of_orientation(path: &Path, orientation: u8) -> String {
-    format!(
-        "{}: its EXIF says that it is to be turned for a viewer (orientation {orientation}), which is not done here, but by \
-         OpenCV and others: the rows of its pixels must be those along which the cameras stand; store both images the way \
-         they were calibrated",
-        path.display()
-    )
-}
-
 /// What is doubtful about the images of two files, whose samples were said to have so many `bits`.
 pub fn of_images(
     [(left, of_left), (right, of_right)]: [(&Path, &Image); 2],

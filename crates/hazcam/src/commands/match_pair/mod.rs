@@ -144,8 +144,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let (mut right, right_read) = Input::read(&args.right)?;
     check_pair(&args, &left, &right)?;
     for (path, read) in [(&args.left, &left_read), (&args.right, &right_read)] {
-        if let Some(orientation) = read.orientation {
-            ui.note(doubts::of_orientation(path, orientation));
+        for what in &read.unused {
+            ui.note(format_args!("{}: {what}", path.display()));
         }
     }
     if let Some(bits) = args.bits {

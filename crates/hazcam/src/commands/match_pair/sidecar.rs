@@ -74,9 +74,9 @@ pub struct Input {
     path: PathBuf,
     bytes: usize,
     sha256: String,
-    /// How it is to be turned to be looked at, by EXIF.
+    /// What else the file holds, of which nothing is made.
     #[serde(skip)]
-    pub orientation: Option<u8>,
+    pub unused: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -173,7 +173,7 @@ impl Input {
     /// Reads an image, and records what it was decoded from: while it is matched, the file may become another one.
     pub fn read(path: &Path) -> Result<(Image, Self), FormatError> {
         let (image, bytes) = formats::read_image_and_bytes(path)?;
-        let (sha256, orientation) = (sha256_of(&bytes), formats::exif_orientation(&bytes));
-        Ok((image, Self { path: path.to_owned(), bytes: bytes.len(), sha256, orientation }))
+        let (sha256, unused) = (sha256_of(&bytes), formats::unused(&bytes));
+        Ok((image, Self { path: path.to_owned(), bytes: bytes.len(), sha256, unused }))
     }
 }
