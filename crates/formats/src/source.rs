@@ -214,6 +214,7 @@ impl Source {
             [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR picture",
             [0x1f, 0x8b, ..] => "gzip-compressed",
             [b'%', b'P', b'D', b'F', ..] => "a PDF document",
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "text in UTF-16 (save it as UTF-8)",
             bytes if bytes.len() < 8 => "cut off after a few bytes",
             bytes
                 if bytes[..bytes.len().min(512)]

@@ -18,16 +18,16 @@ pub struct CameraArguments {
 
     /// Instead of a calibration: the focal length in pixels
     #[arg(long, value_name = "PX", requires = "baseline", conflicts_with = "calibration")]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     focal: Option<f64>,
 
     /// The distance between the cameras in metres
-    #[arg(long, value_name = "M", requires = "focal", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", requires = "focal", allow_hyphen_values = true)]
     baseline: Option<f64>,
 
     /// Column of the right camera's principal point less that of the left one, in pixels
     #[arg(long, value_name = "PX", requires = "focal", default_value_t = 0.0)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     doffs: f64,
 
     /// Column and row of the principal point, in pixels; points alone need it [default: the middle

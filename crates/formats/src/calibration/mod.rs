@@ -24,7 +24,7 @@ use raster::DisparityRange;
 
 use crate::FormatError;
 use crate::atomic::{in_its_folder, write_atomically};
-use crate::source::{LONGEST_TEXT, Source};
+use crate::source::{Container, LONGEST_TEXT, Source};
 
 /// What a calibration file says.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -173,15 +173,29 @@ pub fn write_calibration(
     write_atomically(path, |writer| writer.write_all(text.as_bytes()))
 }
 
+/// What a file that is no calibration would have to be.
+const NEEDED: &str = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
+                      P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
+                      projection_matrix of ROS's right camera, or f=, cx0=, cx1=, cy= and baseline_m=; or \
+                      give the focal length in pixels and the baseline in metres";
+
+/// Whether an error of [`parse`] says no more than that a file is no calibration.
+pub(crate) fn is_none(error: &FormatError) -> bool {
+    matches!(error, FormatError::WrongKind { needed, .. } if needed == NEEDED)
+}
+
 /// The calibration in a file's text.
 pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
-    let needed = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
-                  P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
-                  projection_matrix of ROS's right camera, or f=, cx0=, cx1=, cy= and baseline_m=; or \
-                  give the focal length in pixels and the baseline in metres";
     let text = match std::str::from_utf8(&source.bytes) {
         Ok(text) if text.len() as u64 <= LONGEST_TEXT => text,
-        _ => return Err(source.wrong_kind("no short text", needed)),
+        Ok(_) => return Err(source.wrong_kind("no short text", NEEDED)),
+        Err(_) => {
+            let found = match Container::of(&source.bytes) {
+                Some(format) => format!("a {} file", format.name()),
+                None => source.describe().to_owned(),
+            };
+            return Err(source.wrong_kind(found, NEEDED));
+        }
     };
     // Some editors begin a text with a mark that is none of its letters.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -213,7 +227,7 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     } else if kitti::is_kitti(&entries) {
         kitti::parse(&entries)
     } else {
-        Err(source.wrong_kind("a text without a camera", needed))
+        Err(source.wrong_kind("a text without a camera", NEEDED))
     }
 }
 
@@ -463,7 +477,13 @@ mod tests {
         for text in ["", "hello", "a=1\nb=2\n", "P7: 1 2 3\n"] {
             assert!(read(text).unwrap_err().contains("without a camera"), "{text}");
         }
-        let error = parse(&Source::of("calib.txt", &[0xff, 0xfe])).unwrap_err().to_string();
-        assert!(error.contains("no short text"), "{error}");
+        for (bytes, found) in [
+            (&b"\xff\xfef\0=\0"[..], "is text in UTF-16 (save it as UTF-8)"),
+            (b"\x89PNG\r\n\x1a\n", "is a PNG file"),
+            (&[b'a'; LONGEST_TEXT as usize + 1], "is no short text"),
+        ] {
+            let error = parse(&Source::of("calib.txt", bytes)).unwrap_err().to_string();
+            assert!(error.contains(found), "{error}");
+        }
     }
 }

@@ -151,7 +151,7 @@ fn look_into(source: Source) -> Result<FileInfo, FormatError> {
         Some(container) => picture(container, &image::decode(&source, container)?, &source),
         None => match calibration::parse(&source) {
             Ok(calibration) => FileContent::Calibration(calibration),
-            Err(FormatError::WrongKind { .. }) => {
+            Err(error) if calibration::is_none(&error) => {
                 let found = source.describe();
                 let needed = "a picture (PNG, PGM/PPM, JPEG, TIFF), a disparity map (PNG, PFM, \
                               NPY, TIFF), a NumPy array or a calibration file is needed";

@@ -72,7 +72,7 @@ pub struct Args {
     /// By how much disparities are off, in pixels: what that is worth in depth is told
     #[arg(long, value_name = "PX", default_value_t = DISPARITY_ERROR, help_heading = "What is shown")]
     #[arg(value_parser = arguments::positive, requires = "CameraArguments")]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     disparity_error: f64,
 
     /// Where to write the page: .html

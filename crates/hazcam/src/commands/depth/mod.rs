@@ -62,7 +62,7 @@ pub struct Args {
 
     /// Leave out what is farther away than this, in metres
     #[arg(long, value_name = "M", help_heading = "Which pixels", value_parser = arguments::positive)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     max_depth: Option<f64>,
 
     /// Where to write the depth: .pfm, .npy, .tiff, or .png in millimetres
@@ -85,7 +85,7 @@ pub struct Args {
     /// By how much disparities are off, in pixels. Of pixels that balanced and best are sure of, from 0.5 on,
     /// 93 of 100 are off by less than 1, half of them by less than 0.3
     #[arg(long, value_name = "PX", default_value_t = DISPARITY_ERROR, help_heading = "Output")]
-    #[arg(value_parser = arguments::positive, allow_negative_numbers = true)]
+    #[arg(value_parser = arguments::positive, allow_hyphen_values = true)]
     disparity_error: f64,
 
     /// Print JSON

@@ -71,7 +71,7 @@ pub struct Args {
 
     /// Clip estimates to 0 ... N before Middlebury's measures, as its benchmark does with the
     /// scene's range [default: no clipping]
-    #[arg(long, value_name = "N", help_heading = "Region", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", help_heading = "Region", allow_hyphen_values = true)]
     max_disparity: Option<f64>,
 
     /// What to print
