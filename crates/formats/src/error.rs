@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum FormatError {
     /// The system refuses to open or read the file.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {}", path.display(), why(source))]
     Read {
         /// The file.
         path: PathBuf,
@@ -131,6 +131,14 @@ macro_rules! file_of {
             FormatError::Text { .. } => None,
         }
     };
+}
+
+/// What the system said; of a folder what to do.
+fn why(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::IsADirectory => "it is a folder; name a file in it".to_owned(),
+        _ => error.to_string(),
+    }
 }
 
 impl FormatError {

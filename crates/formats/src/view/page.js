@@ -66,8 +66,9 @@ function legendOf({ of, ramp, palette }) {
   };
   const bar = make("div", "", `background: linear-gradient(90deg, ${colours})`);
   bar.className = "bar";
-  const metres = (depth) => (Number.isNaN(depth) ? "\u2013" : `${short(depth)} m`);
-  const pixels = (disparity) => `${short(disparity)} px`;
+  // With as few digits as five of them have room for below the bar.
+  const metres = (depth) => (Number.isNaN(depth) ? "\u2013" : `${short(depth, 3)} m`);
+  const pixels = (disparity) => `${short(disparity, 3)} px`;
   if (of === "confidence") return [bar, row(values.map((value) => short(value)))];
   if (of === "depths") {
     return [bar, row(values.map(metres)), row(values.map((depth) => pixels(disparityOf(depth))))];
