@@ -115,7 +115,10 @@ fn what_an_engine_says_of_its_time_is_kept_unless_it_is_nonsense() {
         );
         ask(&mut worker(scripted(folder.path(), "protocol", &script)), 0)
     };
-    assert_eq!(says(r#",\"seconds\":0.5"#).claimed_seconds, Some(0.5));
+    assert_eq!(says(r#",\"seconds\":0.0005"#).claimed_seconds, Some(0.0005));
+    // Milliseconds, say.
+    let long = says(r#",\"seconds\":5000"#).status.to_string();
+    assert!(long.contains("matching took 5000 s, but its answer was there after"), "{long}");
     let silent = says("");
     assert_eq!((silent.status, silent.claimed_seconds), (Status::Done, None));
     let nonsense = says(r#",\"seconds\":-1"#).status.to_string();

@@ -15,7 +15,7 @@ pub struct Attempt {
     pub answer: Option<Answer>,
     /// How long the engine itself says that the matching took, in seconds, if it does.
     pub claimed_seconds: Option<f64>,
-    /// What it said besides messages, its last 16 KiB.
+    /// What it said besides messages, of its output and of its errors the last 16 KiB.
     pub log: String,
 }
 

@@ -31,8 +31,7 @@ pub struct Pair<'a> {
 /// What an engine answered. All planes have the size of the left image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// Disparity in pixels, NaN where there is none. What lies outside the box is as the engine
-    /// left it.
+    /// Disparity in pixels, NaN where there is none, and outside the box.
     pub disparity: Plane<f32>,
     /// Why each pixel has its value, if the engine says so.
     pub reasons: Option<Plane<Reason>>,
@@ -147,37 +146,66 @@ pub fn write_answer(
 /// Reads and checks the answer to a job. The error says what is wrong with it, in words for the
 /// engine's author.
 pub fn read_answer(job: &Job) -> Result<Answer, String> {
-    let disparity = read_plane::<f32>(job, "disparity", &job.disparity)?
+    let bounds = job.bounding_box().map_err(|error| error.to_string())?;
+    let pixels = || {
+        let rows = bounds.y0..=bounds.y1;
+        rows.flat_map(|y| (bounds.x0..=bounds.x1).map(move |x| (x, y)))
+    };
+    let mut disparity = read_plane::<f32>(job, "disparity", &job.disparity)?
         .ok_or_else(|| format!("it wrote no disparity file ({})", file_name(&job.disparity)))?;
-    if let Some(at) = disparity.samples().iter().position(|value| value.is_infinite()) {
+    if let Some((x, y)) = pixels().find(|&(x, y)| disparity.row(y)[x].is_infinite()) {
         return Err(format!(
-            "the disparity at column {}, row {} is infinite; give NaN where there is none",
-            at % job.columns,
-            at / job.columns
+            "the disparity at column {x}, row {y} is infinite; give NaN where there is none"
         ));
     }
     let reasons = match read_plane::<u8>(job, "reasons", &job.reasons)? {
-        Some(bytes) => Some(to_reasons(&bytes)?),
+        Some(bytes) => {
+            let unknown = |&(x, y): &(usize, usize)| Reason::from_byte(bytes.row(y)[x]).is_none();
+            if let Some((x, y)) = pixels().find(unknown) {
+                let byte = bytes.row(y)[x];
+                return Err(format!(
+                    "{byte}, at column {x}, row {y}, is no reason; they go from 0 to 7"
+                ));
+            }
+            Some(bytes.map(|&byte| Reason::from_byte(byte).unwrap_or_default()))
+        }
         None => None,
     };
-    let confidence = read_plane::<f32>(job, "confidence", &job.confidence)?;
-    if let Some(plane) = &confidence
-        && let Some(at) = plane.samples().iter().position(|c| !(0.0..=1.0).contains(c))
+    let contradicted = |reasons: &Plane<Reason>| {
+        pixels().find(|&(x, y)| reasons.row(y)[x].has_value() == disparity.row(y)[x].is_nan())
+    };
+    if let Some(plane) = &reasons
+        && let Some((x, y)) = contradicted(plane)
     {
+        let reason = plane.row(y)[x];
         return Err(format!(
-            "the confidence at column {}, row {} is {}; it must be from 0 to 1",
-            at % job.columns,
-            at / job.columns,
-            plane.samples()[at]
+            "the reason at column {x}, row {y} is {} ({}), but the disparity there is {}",
+            reason as u8,
+            reason.name(),
+            disparity.row(y)[x]
         ));
     }
+    let confidence = read_plane::<f32>(job, "confidence", &job.confidence)?;
+    if let Some(plane) = &confidence
+        && let Some((x, y)) = pixels().find(|&(x, y)| !(0.0..=1.0).contains(&plane.row(y)[x]))
+    {
+        let sure = plane.row(y)[x];
+        return Err(format!(
+            "the confidence at column {x}, row {y} is {sure}; it must be from 0 to 1"
+        ));
+    }
+    blank_outside(&mut disparity, bounds);
     Ok(Answer { disparity, reasons, confidence })
 }
 
-fn to_reasons(bytes: &Plane<u8>) -> Result<Plane<Reason>, String> {
-    match bytes.samples().iter().find(|&&byte| Reason::from_byte(byte).is_none()) {
-        Some(byte) => Err(format!("{byte} is no reason; they go from 0 to 7")),
-        None => Ok(bytes.map(|&byte| Reason::from_byte(byte).unwrap_or_default())),
+/// Takes out what was not asked for, so that nobody scores by it: holes are filled from around them.
+pub(super) fn blank_outside(disparity: &mut Plane<f32>, bounds: BoundingBox) {
+    for y in 0..disparity.rows() {
+        for (x, value) in disparity.row_mut(y).iter_mut().enumerate() {
+            if !bounds.contains(x, y) {
+                *value = f32::NAN;
+            }
+        }
     }
 }
 
@@ -318,11 +346,34 @@ mod tests {
         refused("is NaN; it must be from 0 to 1");
         fs::remove_file(&job.confidence).unwrap();
         npy::write(&job.reasons, &Plane::filled(3, 2, 8u8)).unwrap();
-        refused("8 is no reason");
+        refused("8, at column 0, row 0, is no reason");
+        npy::write(&job.reasons, &Plane::filled(3, 2, Reason::MismatchedHole as u8)).unwrap();
+        refused(
+            "the reason at column 0, row 0 is 6 (mismatched-hole), but the disparity there is 0",
+        );
+        npy::write(&job.disparity, &Plane::filled(3, 2, f32::NAN)).unwrap();
+        npy::write(&job.reasons, &Plane::filled(3, 2, Reason::Matched as u8)).unwrap();
+        refused("is 1 (matched), but the disparity there is NaN");
         fs::remove_file(&job.reasons).unwrap();
         fs::remove_file(&job.disparity).unwrap();
         fs::create_dir(&job.disparity).unwrap();
         refused("no regular file");
+    }
+
+    #[test]
+    fn what_lies_outside_the_box_is_ignored() {
+        let scratch = tempfile::tempdir().unwrap();
+        let job = Job { bounds: [1, 0, 1, 1], ..job_in(scratch.path()) };
+        let outside =
+            |inside, other| Plane::from_fn(3, 2, |x, _| if x == 1 { inside } else { other });
+        npy::write(&job.disparity, &outside(2.5, f32::INFINITY)).unwrap();
+        npy::write(&job.confidence, &outside(0.5, 7.0)).unwrap();
+        let reasons = Plane::from_fn(3, 2, |x, _| if x == 1 { 1u8 } else { 99 });
+        npy::write(&job.reasons, &reasons).unwrap();
+        let answer = read_answer(&job).unwrap();
+        for row in answer.disparity.samples().chunks(3) {
+            assert!(row[0].is_nan() && row[1] == 2.5 && row[2].is_nan(), "{row:?}");
+        }
     }
 
     #[cfg(unix)]

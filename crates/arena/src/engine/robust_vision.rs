@@ -13,7 +13,7 @@ use super::exchange::{self, Answer, Pair};
 use super::limits::Limits;
 use super::process::{self, Exit};
 use super::status::Status;
-use super::talk::{self, Log, PATIENCE};
+use super::talk::{self, Log, PATIENCE, Stream};
 use super::usage::{Meter, Usage};
 
 /// How often the limits are looked at.
@@ -77,8 +77,11 @@ fn watch(
     let started = Instant::now();
     let mut child =
         process::start(&mut command).map_err(|error| Status::not_started(&command, &error))?;
-    let stdout_closed = child.stdout.take().map(|out| talk::listen_to_log(out, log.clone()));
-    let stderr_closed = child.stderr.take().map(|out| talk::listen_to_log(out, log.clone()));
+    let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+    let stdout_closed =
+        stdout.map(|stdout| talk::listen_to_log(stdout, Stream::Output, log.clone()));
+    let stderr_closed =
+        stderr.map(|stderr| talk::listen_to_log(stderr, Stream::Error, log.clone()));
     let mut meter = Meter::from_birth(child.id(), started);
     let past_limit = loop {
         let exited = process::wait_for_exit(&mut child, POLL);
@@ -131,7 +134,8 @@ fn read(out: &Path, pair: &Pair<'_>) -> Result<Answer, String> {
     if fs::metadata(&path).is_ok_and(|found| found.len() > limit) {
         return Err(format!("{} has more than {limit} bytes", path.display()));
     }
-    let disparity = read_disparity(&path, Encoding::Pfm).map_err(|error| error.to_string())?.values;
+    let mut disparity =
+        read_disparity(&path, Encoding::Pfm).map_err(|error| error.to_string())?.values;
     if disparity.size() != pair.left.size() {
         return Err(format!(
             "its disparity map is {} x {}, but the left image is {} x {}",
@@ -141,6 +145,7 @@ fn read(out: &Path, pair: &Pair<'_>) -> Result<Answer, String> {
             pair.left.rows()
         ));
     }
+    exchange::blank_outside(&mut disparity, pair.bounds);
     Ok(Answer { disparity, reasons: None, confidence: None })
 }
 

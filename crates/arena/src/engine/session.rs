@@ -11,13 +11,16 @@ use super::limits::Limits;
 use super::process::{self, Exit};
 use super::protocol::{self, FromEngine, Job, Ready, ToEngine};
 use super::status::Status;
-use super::talk::{self, Heard, Log, PATIENCE};
+use super::talk::{self, Heard, Log, PATIENCE, Stream};
 use super::usage::{Meter, Usage};
 
 /// How often the limits are looked at while an engine works.
 const POLL: Duration = Duration::from_millis(25);
 /// How long an engine may take to exit once its standard input is closed.
 const FAREWELL: Duration = Duration::from_secs(2);
+
+/// By so much of a time, and by so many seconds, may an engine's clock differ from this one's.
+const CLOCKS_DIFFER: (f64, f64) = (0.01, 0.002);
 
 /// An engine that is ready for jobs. Dropping it kills the process and its whole group.
 #[derive(Debug)]
@@ -60,7 +63,7 @@ impl Session {
         };
         let (told, deaf) = talk::tell(stdin);
         let mut session = Self {
-            stderr_closed: talk::listen_to_log(stderr, log.clone()),
+            stderr_closed: talk::listen_to_log(stderr, Stream::Error, log.clone()),
             heard: talk::listen(stdout, log.clone()),
             ready: Ready::default(),
             startup: Usage::default(),
@@ -111,13 +114,12 @@ impl Session {
         self.claimed_seconds
     }
 
-    /// What the engine said besides messages, on both of its streams; the last 16 KiB. While it
-    /// lives, what it said in the last moment may still be on its way.
+    /// What the engine said besides messages, on each of its streams the last 16 KiB, errors last. While it lives, what it said in the last moment may still be on its way.
     pub fn log(&self) -> String {
         self.log.text()
     }
 
-    /// Kills what is left, and returns all that the engine said besides messages, its last 16 KiB.
+    /// Kills what is left, and returns all that the engine said besides messages, as [`Session::log`].
     pub fn last_words(mut self) -> String {
         self.kill();
         // Both streams end with the process, unless a child of it holds them open elsewhere.
@@ -150,6 +152,7 @@ impl Session {
         let mut meter = Meter::from_now(self.child.id());
         let answer = self.exchange(job, &mut meter);
         let usage = meter.sample();
+        let answer = answer.and_then(|status| self.check_claim(&usage).map(|()| status));
         let status = match answer {
             // An answer that came between two looks at the clock may still have come too late.
             Ok(status) => {
@@ -161,6 +164,21 @@ impl Session {
             self.kill();
         }
         (status, usage)
+    }
+
+    /// Errors where matching alone is said to have taken longer than the whole job.
+    fn check_claim(&self, usage: &Usage) -> Result<(), Status> {
+        let all = usage.wall_seconds;
+        match self.claimed_seconds {
+            Some(claimed) if claimed > all * (1.0 + CLOCKS_DIFFER.0) + CLOCKS_DIFFER.1 => {
+                let message = format!(
+                    "it says that matching took {claimed} s, but its answer was there after {all:.6} s: `seconds` are \
+                     seconds of a monotonic clock"
+                );
+                Err(Status::ProtocolError { message })
+            }
+            _ => Ok(()),
+        }
     }
 
     fn exchange(&mut self, job: &Job, meter: &mut Meter) -> Result<Status, Status> {

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use super::protocol::{FromEngine, LINE_LIMIT, Line, parse_line};
 
-/// How much of an engine's own talk is kept, in bytes.
+/// How much of an engine's own talk is kept of each stream, in bytes.
 const LOG_LIMIT: usize = 16 * 1024;
 /// How long to wait for what comes at once unless something keeps it from coming: a busy machine
 /// may let whoever listens to a pipe wait for a while.
@@ -30,28 +30,49 @@ pub(crate) enum Heard {
     Closed,
 }
 
-/// The last of what a process said besides messages.
+/// Where a process said something.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Stream {
+    Output,
+    Error,
+}
+
+/// The last of what a process said besides messages, on each of its streams: in which order they came together is
+/// chance, since most programs keep their output back and their errors not.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Log(Arc<Mutex<VecDeque<u8>>>);
+pub(crate) struct Log(Arc<Mutex<[VecDeque<u8>; 2]>>);
 
 impl Log {
-    fn push(&self, bytes: &[u8]) {
-        let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+    fn push(&self, stream: Stream, bytes: &[u8]) {
+        let mut logs = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let log = &mut logs[stream as usize];
         log.extend(bytes);
         let excess = log.len().saturating_sub(LOG_LIMIT);
         log.drain(..excess);
     }
 
-    /// What was said, its beginning cut off where it was too long.
-    pub fn text(&self) -> String {
-        let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        String::from_utf8_lossy(log.make_contiguous()).into_owned()
+    /// What was said on one stream, its beginning cut off where it was too long.
+    fn text_of(&self, stream: Stream) -> String {
+        let mut logs = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        String::from_utf8_lossy(logs[stream as usize].make_contiguous()).into_owned()
     }
 
-    /// The last line that is not blank, for one-line messages.
+    /// What was said, the errors last.
+    pub fn text(&self) -> String {
+        let [mut output, error] =
+            [Stream::Output, Stream::Error].map(|stream| self.text_of(stream));
+        if !output.is_empty() && !error.is_empty() && !output.ends_with('\n') {
+            output.push('\n');
+        }
+        output + &error
+    }
+
+    /// For one-line messages the last line of the errors that is not blank, or else of the output.
     pub fn last_line(&self) -> Option<String> {
-        let text = self.text();
-        text.lines().rev().map(str::trim).find(|line| !line.is_empty()).map(str::to_owned)
+        [Stream::Error, Stream::Output].into_iter().find_map(|stream| {
+            let text = self.text_of(stream);
+            text.lines().rev().map(str::trim).find(|line| !line.is_empty()).map(str::to_owned)
+        })
     }
 }
 
@@ -63,16 +84,20 @@ pub(crate) fn listen(output: impl Read + Send + 'static, log: Log) -> Receiver<H
     receiver
 }
 
-/// Starts to listen to standard error, which only fills the log. The receiver learns of its end by
-/// being disconnected.
-pub(crate) fn listen_to_log(output: impl Read + Send + 'static, log: Log) -> Receiver<()> {
+/// Starts to listen to a stream that only fills the log. The receiver learns of its end by being
+/// disconnected.
+pub(crate) fn listen_to_log(
+    output: impl Read + Send + 'static,
+    stream: Stream,
+    log: Log,
+) -> Receiver<()> {
     let (sender, receiver) = sync_channel(0);
     thread::spawn(move || {
         let _sender = sender;
         let mut output = output;
         let mut buffer = [0; 4096];
         while let Ok(count @ 1..) = output.read(&mut buffer) {
-            log.push(&buffer[..count]);
+            log.push(stream, &buffer[..count]);
         }
     });
     receiver
@@ -123,7 +148,7 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
                     Line::Message(message) => Heard::Message(message),
                     Line::Broken(why) => Heard::Broken(why),
                     Line::Chatter => {
-                        log.push(&line);
+                        log.push(Stream::Output, &line);
                         continue;
                     }
                 }
@@ -152,6 +177,16 @@ mod tests {
         );
         assert!(log.text().starts_with("hello\n") && log.text().ends_with("\nbye"));
         assert_eq!(log.last_line().as_deref(), Some("bye"));
+    }
+
+    #[test]
+    fn errors_are_heard_before_output_whatever_came_first() {
+        let log = Log::default();
+        let say = |stream, said: &'static [u8]| listen_to_log(said, stream, log.clone()).recv();
+        say(Stream::Error, b"cannot open weights.bin").unwrap_err();
+        say(Stream::Output, b"model loaded").unwrap_err();
+        assert_eq!(log.text(), "model loaded\ncannot open weights.bin");
+        assert_eq!(log.last_line().as_deref(), Some("cannot open weights.bin"));
     }
 
     #[test]
