@@ -269,10 +269,25 @@ fn a_catalogue_is_believed() {
     assert_eq!(data.truth.unwrap().samples()[0], 5.0);
     let data = case(&cases, "x/two").load().unwrap();
     assert_eq!(known(&data.truth.unwrap()), 199, "0 is no truth in a catalogue");
+    let beyond = |protocol: &[String]| protocol.iter().any(|line| line.starts_with("100.0 % of"));
+    assert!(!beyond(&data.protocol));
+    write(
+        r#"[{"id": "x/far", "use": "tuning", "left": "a.png", "right": "a.png", "truth": "t.pfm",
+            "max_disparity": 3}]"#,
+    );
+    let data = dataset::open(root.path()).unwrap()[0].load().unwrap();
+    assert!(!beyond(&data.protocol), "a pixel beyond is still found: {:?}", data.protocol);
+    write(
+        r#"[{"id": "x/far", "use": "tuning", "left": "a.png", "right": "a.png", "truth": "t.pfm",
+            "min_disparity": 5, "max_disparity": 9}]"#,
+    );
+    let data = dataset::open(root.path()).unwrap()[0].load().unwrap();
+    assert!(beyond(&data.protocol), "{:?}", data.protocol);
 
     let pair = r#""left": "a.png", "right": "a.png""#;
     for (text, words) in [
         ("{".into(), "is no catalogue of scenes"),
+        ("[]".into(), "it lists no scene"),
         (format!(r#"[{{"id": "x", "use": "play", {pair}}}]"#), "unknown variant `play`"),
         (format!(r#"[{{"id": "x", "use": "test", {pair}, "colour": 1}}]"#), "unknown field"),
         (format!(r#"[{{"id": "../x", "use": "test", {pair}}}]"#), "FAMILY/SCENE"),

@@ -54,6 +54,9 @@ pub(super) fn read(path: &Path) -> Result<Vec<Case>, DatasetError> {
     let wrong = |problem: String| DatasetError::Catalogue { path: path.to_owned(), problem };
     let entries: Vec<Entry> =
         serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    if entries.is_empty() {
+        return Err(wrong("it lists no scene".into()));
+    }
     let root = path.parent().unwrap_or(Path::new(""));
     let mut ids = HashSet::new();
     entries
@@ -72,7 +75,7 @@ fn case(root: &Path, entry: Entry) -> Result<Case, String> {
     let plain = |part: &str| !matches!(part, "" | "." | "..");
     if !entry.id.split('/').all(plain) || entry.id.contains(|c: char| c == '\\' || c.is_control()) {
         return Err(
-            "an id has the form FAMILY/SCENE, without empty parts, `.`, `..` or control characters"
+            "an id has the form FAMILY/SCENE or SCENE, without empty parts, `.`, `..` or control characters"
                 .into(),
         );
     }

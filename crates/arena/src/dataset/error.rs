@@ -79,6 +79,24 @@ pub enum DatasetError {
         /// Rows of the left image.
         left_rows: usize,
     },
+    /// The calibration is that of images of another size.
+    #[error(
+        "{} is for images of {} x {}, but these are {} x {}: its ndisp would be a wrong range; take the calibration of \
+         this size",
+        path.display(),
+        stated.0,
+        stated.1,
+        size.0,
+        size.1
+    )]
+    OfOtherImages {
+        /// The calibration.
+        path: PathBuf,
+        /// Columns and rows that it states.
+        stated: (usize, usize),
+        /// Those of the images.
+        size: (usize, usize),
+    },
     /// No pixel that counts has a truth.
     #[error(
         "{} has no known disparity in the box {bounds}: is it the truth of this scene, and its encoding right?",

@@ -10,11 +10,17 @@ use super::case::{CaseData, CaseRegion, Files, TruthFile};
 use super::error::DatasetError;
 
 /// What the protocol says where nothing else tells the range.
-pub const RANGE_BY_TRUTH: &str = "range by the largest true disparity";
+pub const RANGE_BY_TRUTH: &str = "range by the largest true disparity, and the smallest if below 0";
 /// What a protocol says of a range that nothing states.
 pub const RANGE_BY_WIDTH: &str = "range: a quarter of the width";
 /// What the protocol calls it.
 const TRUTH_RIGHT: &str = "truth of the right view";
+
+/// What a protocol says of the truth that nobody is asked for, behind how much of it that is.
+pub const BEYOND_THE_RANGE: &str =
+    "of the truth lies more than a pixel outside the disparities that are searched";
+/// It is said of so much of the truth, which may be wrong here and there.
+const WORTH_TELLING: f64 = 0.01;
 
 /// Opens the files of a scene. `range` is what the data set states, if it does.
 pub(super) fn files(
@@ -60,10 +66,28 @@ pub(super) fn files(
     }
     let range = match range {
         Some(range) => range,
-        None => assumed_range(files, truth.as_ref(), size.0, &mut protocol)?,
+        None => assumed_range(files, truth.as_ref(), size, &mut protocol)?,
     };
+    if let Some(truth) = &truth {
+        protocol.extend(beyond(truth, bounds, range));
+    }
     // Of files nothing asks for more than disparities: their calibrations are not looked for.
     Ok(CaseData { left, right, bounds, range, camera: None, truth, regions, protocol })
+}
+
+/// Says how much of the truth no matcher can find, if that is much.
+fn beyond(truth: &Plane<f32>, bounds: BoundingBox, range: DisparityRange) -> Option<String> {
+    let (min, max) = (range.min() as f32 - 1.0, range.max() as f32 + 1.0);
+    let rows = (bounds.y0..=bounds.y1).map(|y| &truth.row(y)[bounds.x0..=bounds.x1]);
+    let known = rows.flatten().filter(|value| value.is_finite());
+    let (all, found) = known.fold((0, 0), |(all, found), value| {
+        (all + 1, found + usize::from((min..=max).contains(value)))
+    });
+    let share = (all - found) as f64 / f64::from(all.max(1) as u32);
+    (share > WORTH_TELLING).then(|| {
+        let (share, min, max) = (100.0 * share, range.min(), range.max());
+        format!("{share:.1} % {BEYOND_THE_RANGE}, {min} to {max}")
+    })
 }
 
 /// The file with its folder, which in some data sets alone says what it holds.
@@ -153,13 +177,19 @@ fn regions(
 fn assumed_range(
     files: &Files,
     truth: Option<&Plane<f32>>,
-    columns: usize,
+    size: (usize, usize),
     protocol: &mut Vec<String>,
 ) -> Result<DisparityRange, DatasetError> {
+    let columns = size.0;
     if let Some(path) = &files.calibration {
         match read_calibration(path) {
-            // Some data sets put the image's width here, which says nothing.
             Ok(calibration) => {
+                if let Some(stated) = calibration.width.zip(calibration.height)
+                    && stated != size
+                {
+                    return Err(DatasetError::OfOtherImages { path: path.clone(), stated, size });
+                }
+                // Some data sets put the image's width here, which says nothing.
                 if let Some(count @ 1..) = calibration.ndisp.filter(|&count| count < columns) {
                     protocol.push(format!("range by ndisp in {}", name(path)));
                     return Ok(DisparityRange::new(0, count as i32 - 1)?);
@@ -168,18 +198,19 @@ fn assumed_range(
             Err(error) => return Err(error.into()),
         }
     }
-    let highest = truth.map(|truth| {
-        truth.samples().iter().copied().filter(|value| value.is_finite()).fold(0f32, f32::max)
+    let ends = truth.map(|truth| {
+        let known = truth.samples().iter().copied().filter(|value| value.is_finite());
+        known.fold((0f32, 0f32), |(least, most), value| (least.min(value), most.max(value)))
     });
-    let highest = match highest {
-        Some(highest) => {
+    let (least, most) = match ends {
+        Some((least, most)) => {
             protocol.push(RANGE_BY_TRUTH.into());
-            highest.ceil() as i32
+            (least.floor() as i32, most.ceil() as i32)
         }
         None => {
             protocol.push(RANGE_BY_WIDTH.into());
-            (columns / 4) as i32
+            (0, (columns / 4) as i32)
         }
     };
-    Ok(DisparityRange::new(0, highest.max(1))?)
+    Ok(DisparityRange::new(least, most.max(1))?)
 }

@@ -25,7 +25,7 @@ use std::path::Path;
 
 pub use case::{Case, CaseData, CaseRegion, Files, Purpose, TruthFile};
 pub use error::DatasetError;
-pub use load::{RANGE_BY_TRUTH, RANGE_BY_WIDTH};
+pub use load::{BEYOND_THE_RANGE, RANGE_BY_TRUTH, RANGE_BY_WIDTH};
 
 /// The name of a catalogue.
 const CATALOGUE: &str = "scenes.json";

@@ -82,6 +82,14 @@ pub enum DefinitionError {
         /// The other one.
         other: PathBuf,
     },
+    /// A file defines an engine that would be taken for one of those that come along.
+    #[error("{} defines `{name}`, which is an engine that comes with hazcam: give it a name of its own", path.display())]
+    Taken {
+        /// The name.
+        name: String,
+        /// The file.
+        path: PathBuf,
+    },
     /// No engine has this name.
     #[error("there is no engine `{name}`; there are {known}")]
     Unknown {
@@ -174,8 +182,8 @@ impl Engines {
         Self { definitions }
     }
 
-    /// Adds every `.toml` file of a folder, by name. One that has the name of a known engine takes
-    /// its place; two of one name are an error.
+    /// Adds every `.toml` file of a folder, by name. The name of a known engine, and two of one name, are errors: tables
+    /// would say one thing and mean another.
     pub fn add_folder(&mut self, folder: &Path) -> Result<(), DefinitionError> {
         let failed = |source| DefinitionError::Read { path: folder.to_owned(), source };
         let mut files = Vec::new();
@@ -186,25 +194,20 @@ impl Engines {
             }
         }
         files.sort();
-        let mut added: Vec<(PathBuf, String)> = Vec::new();
+        let mut added: Vec<(PathBuf, Definition)> = Vec::new();
         for file in files {
             let definition = Definition::read(&file)?;
-            if let Some((other, name)) = added.iter().find(|(_, name)| *name == definition.name) {
-                let (name, one) = (name.clone(), other.clone());
-                return Err(DefinitionError::SameName { name, one, other: file });
+            let name = definition.name.clone();
+            if let Some((one, _)) = added.iter().find(|(_, other)| other.name == name) {
+                return Err(DefinitionError::SameName { name, one: one.clone(), other: file });
             }
-            added.push((file, definition.name.clone()));
-            self.add(definition);
+            if self.iter().any(|known| known.name == name) {
+                return Err(DefinitionError::Taken { name, path: file });
+            }
+            added.push((file, definition));
         }
+        self.definitions.extend(added.into_iter().map(|(_, definition)| definition));
         Ok(())
-    }
-
-    /// Adds an engine. One of the same name gives way.
-    pub fn add(&mut self, definition: Definition) {
-        match self.definitions.iter_mut().find(|known| known.name == definition.name) {
-            Some(known) => *known = definition,
-            None => self.definitions.push(definition),
-        }
     }
 
     /// The engine of this name.
@@ -236,22 +239,23 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_adds_and_replaces() {
+    fn a_folder_adds_and_replaces_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("mine.toml");
         fs::write(&file, "name = 'mine'\nkind = 'robust-vision'\ncommand = ['{folder}/m']")
             .unwrap();
-        fs::write(folder.path().join("z.toml"), "name = 'fast'\ncommand = ['true']").unwrap();
         fs::write(folder.path().join("readme.md"), "not a definition").unwrap();
         let mut engines = Engines::built_in();
         engines.add_folder(folder.path()).unwrap();
         assert_eq!(engines.iter().count(), BUILT_IN.len() + 1);
-        assert_eq!(engines.named("fast").unwrap().command, ["true"]);
         let mine = engines.named("mine").unwrap();
         assert_eq!(mine.kind, Kind::RobustVision);
         assert_eq!(mine.folder, Some(fs::canonicalize(folder.path()).unwrap()));
         let error = engines.named("nine").unwrap_err().to_string();
         assert!(error.contains("`nine`") && error.ends_with("opencv-wls, mine"), "{error}");
+        fs::write(folder.path().join("z.toml"), "name = 'fast'\ncommand = ['true']").unwrap();
+        let error = Engines::built_in().add_folder(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("z.toml defines `fast`"), "{error}");
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub use overview::{bad2_table, overview_table};
 pub use reasons::{REASONS_LEGEND, reasons_table};
 pub use regions::{REGIONS_LEGEND, regions_table};
 pub use reliability::{RELIABILITY_LEGEND, reliability_table};
-pub use scores::{Failure, LEGEND, assumed_ranges, failures, scores_table};
+pub use scores::{Failure, LEGEND, assumed_ranges, failures, scores_table, truths_beyond};
 pub use summary::{Summary, summaries, summary_table};
 pub use table::{Cell, Column, Table};
 

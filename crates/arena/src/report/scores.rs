@@ -2,7 +2,7 @@
 
 use super::in_order;
 use super::table::{Cell, Column, Table};
-use crate::dataset::{RANGE_BY_TRUTH, RANGE_BY_WIDTH};
+use crate::dataset::{BEYOND_THE_RANGE, RANGE_BY_TRUTH, RANGE_BY_WIDTH};
 use crate::engine::Status;
 use crate::record::Record;
 
@@ -116,6 +116,19 @@ pub fn assumed_ranges(records: &[Record]) -> Vec<String> {
         (count > 0).then(|| format!("{way} on {count} scenes, of which nothing else states one"))
     });
     ways.collect()
+}
+
+/// Names the scenes much of whose truth lies outside the range that matchers were told.
+pub fn truths_beyond(records: &[Record]) -> Vec<String> {
+    let told = |record: &Record| {
+        let line = record.protocol.iter().find(|line| line.contains(BEYOND_THE_RANGE))?;
+        Some(format!(
+            "{}: {line}: name min_disparity and max_disparity in scenes.json",
+            record.case
+        ))
+    };
+    let lines: Vec<String> = records.iter().filter_map(told).collect();
+    in_order(lines.iter().map(String::as_str)).into_iter().map(str::to_owned).collect()
 }
 
 /// What came of an engine that gave no answer.

@@ -81,6 +81,8 @@ fn of_pairs_without_truth_it_is_told_how_much_matchers_speak_of() {
     let (stdout, _) = run(folder.path(), &[&arguments[..], &["--use", "rover"]].concat(), 0);
     assert!(stdout.starts_with("scene  matcher  density %  matched %  sure %"), "{stdout}");
     assert!(stdout.contains("nobody knows the truth") && !stdout.contains("E_RMS"), "{stdout}");
+    let (_, stderr) = run(folder.path(), &["bench", "--data", "data", "--scenes", "*over*"], 2);
+    assert!(stderr.contains("which is of the use rover: give --use rover too"), "{stderr}");
     let only = ["--use", "rover", "--format", "csv"];
     let (stdout, _) = run(folder.path(), &[&arguments[..], &only].concat(), 0);
     let numbers: Vec<f64> =

@@ -39,6 +39,7 @@ impl SceneArguments {
                  `hazcam demo`, which needs none"
             );
         };
+        let others = self.purpose.is_none().then(|| self.of_another_use(&cases, default));
         match &self.purpose {
             Some(purpose) => {
                 let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;
@@ -69,7 +70,19 @@ impl SceneArguments {
                 folder.display()
             );
         }
-        matching(cases, |case| &case.id, self.scenes.as_deref())
+        let chosen = matching(cases, |case| &case.id, self.scenes.as_deref());
+        chosen.map_err(|error| others.flatten().map_or(error, anyhow::Error::msg))
+    }
+
+    /// Says that there are scenes that are asked for, but of a use that is not taken by default.
+    fn of_another_use(&self, cases: &[Case], default: &[Purpose]) -> Option<String> {
+        let text = self.scenes.as_deref()?;
+        let pattern = Pattern::new(text).ok()?;
+        let fits = |case: &&Case| !default.contains(&case.purpose) && pattern.matches(&case.id);
+        let Case { id, purpose, .. } = cases.iter().find(fits)?;
+        Some(format!(
+            "`{text}` matches {id}, which is of the use {purpose}: give --use {purpose} too"
+        ))
     }
 
     /// All scenes of the folder that is named, whatever their use; nothing when none is named.

@@ -151,6 +151,7 @@ impl Tables<'_> {
         }));
         lines.extend(legend);
         lines.extend(report::assumed_ranges(self.records));
+        lines.extend(report::truths_beyond(self.records));
         if !measures_cpu_time() {
             lines.push("this system tells neither CPU time nor memory of another process".into());
         }
