@@ -78,7 +78,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "text", help_heading = "Output")]
     format: Format,
 
-    /// End with status 1 when MEASURE, named as in the output (but not AUC and AUSE), is over VALUE,
+    /// End with status 1 when MEASURE, named as in the output (but not density, AUC and AUSE), is over VALUE,
     /// which may be a share (0.05) or per cent (5%); a bias counts by its size. May be given several
     /// times
     #[arg(long, value_name = "MEASURE=VALUE", help_heading = "Output")]
@@ -178,14 +178,16 @@ fn scale_warning(args: &Args, factor: f64, estimate: Encoding, truth: Encoding) 
         Some(format!("read it with {option} {kind}/{}", f64::from(divisor) * times))
     };
     // A file that has a divisor may have been read with another one than it was written with.
-    let (path, change, remedy) = match (divided_by(larger, times), divided_by(smaller, 1.0 / times))
-    {
-        (None, Some(remedy)) => (smaller.0, "multiplied", Some(remedy)),
-        (remedy, _) => (larger.0, "divided", remedy),
+    let change = match (divided_by(larger, times), divided_by(smaller, 1.0 / times)) {
+        (Some(remedy), _) => format!("{} were divided by {times}: {remedy}", larger.0.display()),
+        (None, Some(remedy)) => {
+            format!("{} were multiplied by {times}: {remedy}", smaller.0.display())
+        }
+        (None, None) => format!(
+            "{} were divided by {times}, or those of {} multiplied",
+            larger.0.display(),
+            smaller.0.display()
+        ),
     };
-    let remedy = remedy.map_or_else(String::new, |remedy| format!(": {remedy}"));
-    format!(
-        "most disparities are bad, but would not be if those of {} were {change} by {times}{remedy}",
-        path.display()
-    )
+    format!("most disparities are bad, but would not be if those of {change}")
 }
