@@ -478,7 +478,7 @@ def test_memory_that_does_not_do_is_told():
         matcher.compute(large, large)
     assert isinstance(error.value, MemoryError)
     assert str(error.value).startswith(
-        "option `memory` is 1 MB, but 3000 x 2000 pixels and 256 disparities need at least "
+        "`memory` is 1 MB, but 3000 x 2000 pixels and 256 disparities need at least "
     )
     # It is fit for what does fit.
     assert Matcher("fast", 4, memory=1_000_000).compute(GREY, GREY).values.shape == (6, 9)

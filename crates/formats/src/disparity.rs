@@ -160,7 +160,8 @@ fn from_grey(
             Ok(ReadDisparity { values: scaled(samples, divisor), encoding, note: None })
         }
         (Image::Grey8(_) | Image::Grey16(_), asked) => {
-            wrong(&format!("the encoding {asked} was asked for"))
+            let kind = if image.depth() == u8::BITS { "png8" } else { "png16" };
+            wrong(&format!("the encoding {asked} was asked for: ask for {kind}/K or auto"))
         }
         (Image::Rgb8(_) | Image::Rgb16(_), _) => wrong(
             "a disparity map has one number a pixel: a coloured picture of one cannot be read \

@@ -121,10 +121,7 @@ mod tests {
         // Who allows more than there is has to know; who allows less is told what was allowed.
         assert_eq!(admit(Some(2 * needed), Some(16_000_000_000)), Err(error));
         let error = admit(Some(1_000_000_000), Some(16_000_000_000)).unwrap_err();
-        assert!(
-            error.to_string().starts_with("option `memory` is 1000 MB, but 70000 x 3 "),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("`memory` is 1000 MB, but 70000 x 3 "), "{error}");
     }
 
     #[test]

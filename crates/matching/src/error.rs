@@ -90,7 +90,7 @@ pub enum MatchError {
     },
     /// The work does not fit the memory that is allowed.
     #[error(
-        "option `memory` is {} MB, but {columns} x {rows} pixels and {disparities} disparities need \
+        "`memory` is {} MB, but {columns} x {rows} pixels and {disparities} disparities need \
          at least {} MB: allow that much, narrow the range, or match a box",
         *limit as f64 / 1e6,
         needed.div_ceil(1_000_000)

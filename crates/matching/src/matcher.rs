@@ -420,7 +420,7 @@ pub(crate) mod tests {
         assert_eq!(
             error.to_string(),
             format!(
-                "option `memory` is 200 MB, but 3000 x 2000 pixels and 256 disparities need at least \
+                "`memory` is 200 MB, but 3000 x 2000 pixels and 256 disparities need at least \
                  {} MB: allow that much, narrow the range, or match a box",
                 needed.div_ceil(1_000_000)
             )

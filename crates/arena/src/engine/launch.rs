@@ -71,6 +71,14 @@ pub(crate) fn command(
             let python = programs.python.as_ref().ok_or_else(|| Status::Absent {
                 message: format!("Python is not installed: {}", Programs::NO_PYTHON),
             })?;
+            // A name alone is looked for on PATH.
+            if python.components().count() > 1 && !python.is_file() {
+                let message = format!(
+                    "{} is no program: name a Python 3 by HAZCAM_PYTHON, or unset it for the one on PATH",
+                    python.display()
+                );
+                return Err(Status::NotReady { message });
+            }
             text = text.replace("{python}", &python.to_string_lossy());
         }
         Ok(text
@@ -114,19 +122,30 @@ mod tests {
     #[test]
     fn placeholders_and_threads_are_filled_in() {
         let scratch = tempfile::tempdir().unwrap();
-        let programs = Programs { hazcam: "/bin/hazcam".into(), python: Some("/bin/py".into()) };
+        let python = scratch.path().join("py");
+        fs::write(&python, "").unwrap();
+        let programs = Programs { hazcam: "/bin/hazcam".into(), python: Some(python.clone()) };
         let mut mine = definition(
             "name = 'm'\ncommand = ['{python}', '{folder}/m.py', '{hazcam}']\n\
              [environment]\nTABLES = '{folder}/t'",
         );
         mine.folder = Some("/mine".into());
         let command = command(&mine, &programs, scratch.path(), 3).unwrap();
-        assert_eq!(command.get_program(), "/bin/py");
+        assert_eq!(command.get_program(), python);
         assert_eq!(command.get_args().collect::<Vec<_>>(), ["/mine/m.py", "/bin/hazcam"]);
         let set = |name: &str| {
             command.get_envs().find(|(n, _)| *n == name).and_then(|(_, value)| value).unwrap()
         };
         assert_eq!((set("TABLES"), set("OMP_NUM_THREADS")), ("/mine/t".as_ref(), "3".as_ref()));
+    }
+
+    #[test]
+    fn a_python_that_is_not_there_is_named() {
+        let scratch = tempfile::tempdir().unwrap();
+        let programs = Programs { hazcam: "/bin/hazcam".into(), python: Some("/no/python".into()) };
+        let mine = definition("name = 'm'\ncommand = ['{python}', 'm.py']");
+        let status = command(&mine, &programs, scratch.path(), 1).unwrap_err().to_string();
+        assert!(status.contains("/no/python is no program") && status.contains("HAZCAM_PYTHON"));
     }
 
     #[test]

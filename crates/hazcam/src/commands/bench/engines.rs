@@ -67,6 +67,9 @@ impl EngineArguments {
             let said_by = if self.engines.is_some() { "--engines" } else { "HAZCAM_ENGINES" };
             known.add_folder(&folder).with_context(|| said_by)?;
         }
+        if self.matcher.len() > 1 && self.matcher.iter().any(|name| name == "none") {
+            bail!("--matcher none goes with no other: leave it out, or the others");
+        }
         let own = Preset::ALL.map(Preset::name);
         let mut wanted: Vec<&str> = match self.matcher.is_empty() {
             true => own.to_vec(),
