@@ -115,6 +115,9 @@ mod tests {
             [about(309.5, 93.5), about(160.0, 60.0), about(460.0, 139.0)],
             [None, None, None]
         );
+        // A quarter of the size from the middle, from edge to edge.
+        assert_eq!([about(154.5, 93.5), about(309.5, 140.5)], [None, None]);
+        assert!(about(154.4, 93.5).is_some() && about(309.5, 140.6).is_some());
         for (cx, cy) in [(607.2, 185.2), (309.5, -0.5), (-371.0, 93.5)] {
             let said = about(cx, cy).unwrap();
             let place = format!("column {cx:.2} and row {cy:.2}");

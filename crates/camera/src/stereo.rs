@@ -147,14 +147,21 @@ impl StereoCamera {
         disparity_uncertainty: f64,
     ) -> Plane<f32> {
         depths.map(|&depth| {
-            in_32_bits(self.depth_uncertainty(f64::from(depth), disparity_uncertainty))
+            let off = self.depth_uncertainty(f64::from(depth), disparity_uncertainty);
+            off.map(|off| off as f32).filter(|off| off.is_finite()).unwrap_or(f32::NAN)
         })
     }
 
     /// Depth in metres of each disparity in pixels; NaN where there is none, in or out, or none that a
     /// float of 32 bits holds.
     pub fn depth_map(&self, disparities: &Plane<f32>) -> Plane<f32> {
-        disparities.map(|&d| in_32_bits(self.depth(f64::from(d))))
+        disparities.map(|&d| self.depth_in_32_bits(d).unwrap_or(f32::NAN))
+    }
+
+    /// [`StereoCamera::depth`] as a float of 32 bits; `None` too where none holds it, which then is infinite or nothing.
+    pub fn depth_in_32_bits(&self, disparity: f32) -> Option<f32> {
+        let depth = self.depth(f64::from(disparity))? as f32;
+        (depth > 0.0 && depth.is_finite()).then_some(depth)
     }
 
     /// The point `[X, Y, Z]` in metres that left pixel `(x, y)` shows at a disparity in pixels.
@@ -187,12 +194,6 @@ impl StereoCamera {
             point.iter().all(|coordinate| coordinate.is_finite()).then_some(point)
         })
     }
-}
-
-/// NaN where there is no number, or none that 32 bits hold.
-fn in_32_bits(number: Option<f64>) -> f32 {
-    let number = number.map_or(f32::NAN, |number| number as f32);
-    if number.is_finite() { number } else { f32::NAN }
 }
 
 #[cfg(test)]
@@ -235,6 +236,34 @@ mod tests {
         assert_eq!(camera(0.0).disparity(5e-324), None);
         for (depth, off) in [(4.0, f64::NAN), (1e300, 1.0)] {
             assert_eq!(camera(0.0).depth_uncertainty(depth, off), None);
+        }
+    }
+
+    #[test]
+    fn a_depth_that_no_float_of_32_bits_holds_is_none() {
+        // Files in another byte order than they say are full of such disparities.
+        for (baseline, disparity) in [(0.5, 1e-40), (1e-20, 1e38)] {
+            let camera = StereoCamera::new(700.0, baseline, 0.0, 0.0, 0.0).unwrap();
+            assert!(camera.depth(f64::from(disparity)).is_some());
+            assert_eq!(camera.depth_in_32_bits(disparity), None);
+            assert!(camera.depth_map(&Plane::filled(1, 1, disparity)).samples()[0].is_nan());
+        }
+    }
+
+    #[test]
+    fn every_number_must_be_finite() {
+        for wrong in [f64::NAN, f64::INFINITY] {
+            for (at, name) in
+                ["focal length", "baseline", "offset", "principal column", "principal row"]
+                    .into_iter()
+                    .enumerate()
+            {
+                let mut numbers = [700.0, 0.5, 1.0, 2.0, 3.0];
+                numbers[at] = wrong;
+                let [focal, baseline, doffs, cx, cy] = numbers;
+                let error = StereoCamera::new(focal, baseline, doffs, cx, cy).unwrap_err();
+                assert!(error.field.starts_with(name), "{error}");
+            }
         }
     }
 

@@ -40,26 +40,20 @@ pub fn depths(
     let depths = disparities.map(|&disparity| {
         let sure = limits.confidence.is_none_or(|(map, least)| map.samples()[at] >= least);
         at += 1;
-        let depth = camera.depth(f64::from(disparity));
+        let depth = camera.depth_in_32_bits(disparity);
         let (count, depth) = match depth {
             _ if disparity.is_nan() => (&mut counts.without_disparity, None),
             None => (&mut counts.behind, None),
             Some(_) if !sure => (&mut counts.unsure, None),
-            Some(depth) if limits.max_depth.is_some_and(|most| depth > most) => {
+            Some(depth) if limits.max_depth.is_some_and(|most| f64::from(depth) > most) => {
                 (&mut counts.too_far, None)
             }
-            Some(depth) if !is_held(depth as f32) => (&mut counts.behind, None),
             Some(depth) => (&mut counts.kept, Some(depth)),
         };
         *count += 1;
-        depth.map_or(f32::NAN, |depth| depth as f32)
+        depth.unwrap_or(f32::NAN)
     });
     (depths, counts)
-}
-
-/// Whether a depth is still one as a float of 32 bits, neither infinite nor nothing.
-fn is_held(depth: f32) -> bool {
-    depth.is_finite() && depth > 0.0
 }
 
 #[cfg(test)]
