@@ -65,9 +65,8 @@ fn turbo(disparity: &Plane<f32>, truth: &Plane<f32>) -> Plane<[u8; 3]> {
 
 /// The part within the scene's box.
 fn cropped<T: Copy>(plane: &Plane<T>, scene: &Scene) -> Plane<T> {
-    let BoundingBox { x0, y0, .. } = scene.bounds;
-    let (columns, rows) = (scene.bounds.columns(), scene.bounds.rows());
-    Plane::from_fn(columns, rows, |x, y| plane.row(y0 + y)[x0 + x])
+    let BoundingBox { x0, y0, x1, y1 } = scene.bounds;
+    plane.view().part(x0..x1 + 1, y0..y1 + 1).to_plane()
 }
 
 fn smaller<T: Copy>(plane: &Plane<T>) -> Plane<T> {

@@ -222,20 +222,27 @@ impl Board {
         if !is_secret_id(to) {
             return Err(BoardError::Name(to.to_owned()));
         }
+        let path = self.path.clone();
+        let failed = |source| failure(&path, source);
+        let transaction = self
+            .connection
+            .transaction_with_behavior(TransactionBehavior::Immediate)
+            .map_err(failed)?;
         let others = ("SELECT secret_id FROM entry WHERE folded != ?", &*folded(from));
-        nobody_looks_like(&self.connection, &self.path, to, others)?;
-        let changed = self.connection.execute(
+        nobody_looks_like(&transaction, &path, to, others)?;
+        let changed = transaction.execute(
             "UPDATE entry SET secret_id = ?, folded = ? WHERE folded = ?",
             params![to, folded(to), folded(from)],
         );
         match changed {
-            Ok(0) => Err(self.unknown(from)?),
-            Ok(_) => Ok(()),
+            Ok(0) => drop(transaction),
+            Ok(_) => return transaction.commit().map_err(failed),
             Err(error) if error.sqlite_error_code() == Some(ErrorCode::ConstraintViolation) => {
-                Err(BoardError::Taken(to.to_owned()))
+                return Err(BoardError::Taken(to.to_owned()));
             }
-            Err(error) => Err(self.failed(error)),
+            Err(error) => return Err(failed(error)),
         }
+        Err(self.unknown(from)?)
     }
 
     /// Takes somebody off the board.
