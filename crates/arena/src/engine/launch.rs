@@ -8,11 +8,13 @@ use super::Status;
 use super::definition::{BUILT_IN_FILES, Definition};
 
 /// Variables by which numerical libraries learn how many threads they may use.
-const THREAD_VARIABLES: [&str; 6] = [
+pub(crate) const THREAD_VARIABLES: [&str; 8] = [
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
     "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
     "NUMEXPR_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
     "RAYON_NUM_THREADS",
 ];
@@ -35,17 +37,23 @@ impl Programs {
     /// The Python that [`Programs::find`] finds.
     pub fn find_python() -> Option<PathBuf> {
         let named = env::var_os("HAZCAM_PYTHON").filter(|name| !name.is_empty()).map(PathBuf::from);
-        // Engines start in other folders; a name alone is looked for on PATH.
-        let here = |path: PathBuf| match path.components().count() {
-            1 => path,
-            _ => std::path::absolute(&path).unwrap_or(path),
-        };
-        named.map(here).or_else(|| ["python3", "python"].into_iter().find_map(on_path))
+        // Engines start in other folders.
+        named
+            .map(|named| from_here(&named))
+            .or_else(|| ["python3", "python"].into_iter().find_map(on_path))
     }
 
     /// What is said where there is none.
     pub const NO_PYTHON: &str =
         "neither python3 nor python is on PATH, and HAZCAM_PYTHON names none";
+}
+
+/// Where a program is started from any folder: a name alone is looked for on PATH, anything else from this folder.
+pub(crate) fn from_here(program: &Path) -> PathBuf {
+    match program.components().count() {
+        1 => program.to_owned(),
+        _ => std::path::absolute(program).unwrap_or_else(|_| program.to_owned()),
+    }
 }
 
 /// The first program of this name on `PATH`.

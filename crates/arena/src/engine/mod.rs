@@ -31,7 +31,7 @@ pub use attempt::Attempt;
 pub use definition::{Definition, DefinitionError, Engines, Kind};
 pub use exchange::{Answer, Pair, write_answer};
 pub use launch::Programs;
-pub(crate) use launch::command;
+pub(crate) use launch::{THREAD_VARIABLES, command, from_here};
 pub use limits::Limits;
 pub use serve::serve;
 pub use session::Session;

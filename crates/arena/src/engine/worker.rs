@@ -85,7 +85,7 @@ impl Worker {
         }
     }
 
-    /// Matches a pair. An engine that could not be started once is not tried again.
+    /// Matches a pair. One that speaks the protocol and could not be started once is not tried again.
     pub fn run(&mut self, pair: &Pair<'_>) -> Attempt {
         match self.definition.kind {
             Kind::Protocol => self.run_protocol(pair),
@@ -113,7 +113,12 @@ impl Worker {
             let started = self
                 .command()
                 .and_then(|command| Session::start(command, self.scratch.path(), self.limits));
-            let session = started.inspect_err(|status| self.given_up = Some(status.clone()))?;
+            let session = started.inspect_err(|status| {
+                // What kept it from being asked may pass.
+                if !matches!(status, Status::NotAsked { .. }) {
+                    self.given_up = Some(status.clone());
+                }
+            })?;
             self.version = session.ready().version.clone();
             self.startup = Some(session.startup());
             self.jobs = 0;

@@ -8,7 +8,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use crate::engine::protocol::Job;
-use crate::engine::{self, Session, Status, Usage};
+use crate::engine::{self, Session, Status, THREAD_VARIABLES, Usage};
 use crate::interrupt::Scratch;
 use crate::sandbox::{self, Excess, Policy, Watch};
 
@@ -217,8 +217,8 @@ fn with_environment(mut command: Command, home: &Path) -> Command {
     for variable in ["HOME", "TMPDIR", "MPLCONFIGDIR", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"] {
         command.env(variable, home);
     }
-    for library in ["OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB", "NUMEXPR", "NUMBA", "RAYON"] {
-        command.env(format!("{library}_NUM_THREADS"), "1");
+    for variable in THREAD_VARIABLES {
+        command.env(variable, "1");
     }
     command.env("MPLBACKEND", "Agg").env("PYTHONHASHSEED", "0").envs(own);
     command

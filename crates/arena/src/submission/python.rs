@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use serde::Deserialize;
 
 use super::error::SubmissionError;
+use crate::engine::from_here;
 
 /// Prints what has to be readable for Python to work, as JSON.
 const ASK: &str = "\
@@ -46,12 +47,7 @@ impl Python {
     pub fn find(program: &Path) -> Result<Self, SubmissionError> {
         let shown = program.display();
         let remedy = "install Python 3.8 or newer with numpy and scipy, or name it with --python";
-        // A bare name is looked for on PATH, anything else from here.
-        let program = match program.components().count() {
-            1 => program.to_owned(),
-            _ => std::path::absolute(program).unwrap_or_else(|_| program.to_owned()),
-        };
-        let output = Command::new(program)
+        let output = Command::new(from_here(program))
             .args(["-B", "-c", ASK])
             // Not from a folder in which a module of that name may lie.
             .current_dir("/")
