@@ -14,9 +14,14 @@ use crate::source::Source;
 /// integers, [`FormatError::Malformed`] when the box ends before it begins or has negative sides.
 pub fn read_bounding_box(path: impl AsRef<Path>) -> Result<BoundingBox, FormatError> {
     let source = Source::open(path.as_ref())?;
-    let Array { shape, samples } = npy::decode(&source)?;
-    if shape != [2, 2] || !samples.dtype().is_integer() {
-        let shape = npy::shape_text(&shape);
+    of_array(&source, &npy::decode(&source)?)
+}
+
+/// The box in an array of the file `source`, if it is one.
+pub(crate) fn of_array(source: &Source, array: &Array) -> Result<BoundingBox, FormatError> {
+    let Array { shape, samples } = array;
+    if *shape != [2, 2] || !samples.dtype().is_integer() {
+        let shape = npy::shape_text(shape);
         return Err(source.wrong_kind(
             format!("a .npy array of {} with shape {shape}", samples.dtype()),
             "a box is 2 x 2 integers, [[x0, x1], [y0, y1]], inclusive",

@@ -12,7 +12,7 @@ use crate::FormatError;
 /// The most pixels that are read from one file: 2^28, for example 16384 x 16384.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// The most bytes that are read from one file: those of [`MAX_PIXELS`] of the widest samples, and a header.
+/// The most bytes that are read from one file: those of [`MAX_PIXELS`] of eight bytes each, and a header.
 pub const MAX_FILE_BYTES: u64 = 8 * MAX_PIXELS + (1 << 20);
 
 /// So many bytes tell what a file is.
@@ -106,9 +106,8 @@ impl Source {
         (&file).take(BEGINNING).read_to_end(&mut bytes).map_err(failed)?;
         let most = match Container::of(&bytes) {
             Some(_) => MAX_FILE_BYTES,
-            // So that whoever asked for it sees that it is longer.
-            None if length > LONGEST_TEXT => LONGEST_TEXT,
-            None => MAX_FILE_BYTES,
+            // With one byte more, so that whoever asked for it sees that it is longer.
+            None => LONGEST_TEXT,
         };
         let rest = (length.min(most + 1) as usize).saturating_sub(bytes.len());
         bytes.try_reserve_exact(rest).map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;

@@ -75,7 +75,7 @@ pub fn kitti(pixels: &Pixels<'_>, filled: &Plane<f32>) -> Result<Kitti, ScoreErr
         }
     }
     let (mut after_filling, mut out) = (0usize, THRESHOLDS.map(|_| 0usize));
-    for pixel in pixels.with_estimate(filled).iter() {
+    for pixel in pixels.with_estimate(filled) {
         let error = pixel.error();
         after_filling += usize::from(error.is_none_or(|error| outlier(error, pixel.truth)));
         for (count, threshold) in out.iter_mut().zip(THRESHOLDS) {

@@ -79,22 +79,20 @@ impl<'a> Pixels<'a> {
         if count > 0 { Ok(this) } else { Err(ScoreError::NoTruth { region: this.description }) }
     }
 
-    /// The same pixels with another estimate of the same size.
-    pub(crate) fn with_estimate<'b>(&'b self, estimate: &'b Plane<f32>) -> Pixels<'b>
-    where
-        'a: 'b,
-    {
-        let mut other = Pixels { estimate, ..self.clone() };
-        other.holes = other.iter().filter(|pixel| pixel.estimate.is_none()).count();
-        other
-    }
-
     /// The scored pixels in row order.
     pub fn iter(&self) -> impl Iterator<Item = Pixel> + '_ {
+        self.with_estimate(self.estimate)
+    }
+
+    /// The same pixels with another estimate of the same size.
+    pub(crate) fn with_estimate<'b>(
+        &'b self,
+        estimate: &'b Plane<f32>,
+    ) -> impl Iterator<Item = Pixel> + 'b {
         let BoundingBox { x0, y0, x1, y1 } = self.bounds;
         (y0..=y1).flat_map(move |y| {
             let truth = &self.truth.row(y)[x0..=x1];
-            let estimate = &self.estimate.row(y)[x0..=x1];
+            let estimate = &estimate.row(y)[x0..=x1];
             let mask = self.mask.map(|mask| &mask.row(y)[x0..=x1]);
             truth.iter().zip(estimate).enumerate().filter_map(move |(i, (&truth, &estimate))| {
                 let scored = truth.is_finite() && mask.is_none_or(|mask| mask[i]);

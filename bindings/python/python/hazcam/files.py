@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from os import PathLike
 from typing import Any
 
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 from . import _hazcam
 from .disparity_map import DisparityMap, in_pixels
 from .doubts import warn
-from .errors import HazcamWarning
 from .matcher import Image
 
 
@@ -43,7 +41,7 @@ def read_disparity(path: str | PathLike[str], encoding: str = "auto") -> NDArray
     """
     values, note = _hazcam.read_disparity(path, encoding)
     if note is not None:
-        warnings.warn(f"{path}: {note}", HazcamWarning, stacklevel=2)
+        warn(f"{path}: {note}")
     return values
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _hazcam
 from .disparity_map import DisparityMap, disparities
-from .errors import HazcamWarning
+from .doubts import warn
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def score(
             divisor = max(suspected, 1 / suspected)
             remedy = f"those of `{larger}` were divided by {divisor:g}: is it in pixels?"
         text = f"most disparities are bad, but would not be if {remedy}"
-        warnings.warn(text, HazcamWarning, stacklevel=2)
+        warn(text)
     measures = {name: value for name, value, _ in rows}
     protocols = {name: protocol for name, _, protocol in rows if protocol is not None}
     return Scores(measures, protocols, pixels, holes)

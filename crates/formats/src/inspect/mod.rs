@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::image::{self, Decoded};
 use crate::npy::{self, Array, Dtype};
 use crate::source::{Container, Source};
-use crate::{Calibration, Encoding, FormatError, calibration, pfm, tiff, unused};
+use crate::{Calibration, Encoding, FormatError, bounding_box, calibration, pfm, tiff, unused};
 
 /// What a file holds. Displays as a few lines of text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -170,17 +170,10 @@ fn floats(format: Container, values: &Plane<f32>) -> FileContent {
 }
 
 fn array(source: &Source) -> Result<FileContent, FormatError> {
-    let Array { shape, samples } = npy::decode(source)?;
+    let array = npy::decode(source)?;
+    let as_box = bounding_box::of_array(source, &array).ok().map(|bounds| bounds.to_string());
+    let Array { shape, samples } = array;
     let dtype = samples.dtype();
-    let first: Vec<f64> = samples.values().take(4).collect();
-    let as_box = match (&shape[..], &first[..]) {
-        ([2, 2], [x0, x1, y0, y1])
-            if dtype.is_integer() && 0.0 <= *x0 && x0 <= x1 && 0.0 <= *y0 && y0 <= y1 =>
-        {
-            Some(format!("{x0},{y0},{x1},{y1}"))
-        }
-        _ => None,
-    };
     let values = Statistics::of(samples.values());
     Ok(FileContent::Array { dtype, shape, values, as_box })
 }

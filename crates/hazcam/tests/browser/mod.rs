@@ -13,9 +13,12 @@ use crate::skip::skip;
 /// Names under which Chromium is known.
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 
+/// A process that ends when it is dropped.
+struct Running(Child);
+
 /// A browser with one page. It ends when it is dropped.
 pub struct Browser {
-    child: Child,
+    _running: Running,
     socket: WebSocket<MaybeTlsStream<std::net::TcpStream>>,
     session: Option<String>,
     last_id: u64,
@@ -44,7 +47,7 @@ impl Browser {
         command.args(["--disable-background-networking", "--disable-component-update"]);
         let child =
             command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-        let child = child.unwrap();
+        let running = Running(child.unwrap());
         let port = profile.path().join("DevToolsActivePort");
         let started = Instant::now();
         let port = loop {
@@ -57,8 +60,14 @@ impl Browser {
         };
         let (socket, _) = tungstenite::connect(port).unwrap();
         let complaints = Vec::new();
-        let mut browser =
-            Self { child, socket, session: None, last_id: 0, complaints, _profile: profile };
+        let mut browser = Self {
+            _running: running,
+            socket,
+            session: None,
+            last_id: 0,
+            complaints,
+            _profile: profile,
+        };
         let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
         let attached = browser.call(
             "Target.attachToTarget",
@@ -191,10 +200,10 @@ impl Browser {
     }
 }
 
-impl Drop for Browser {
+impl Drop for Running {
     fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 

@@ -1,6 +1,6 @@
 //! Holes filled from the surfaces beside them.
 //!
-//! * **Between two ends of one surface** (they differ by little, and by less than the hole is wide)
+//! * **Between two ends of one surface** (they differ by little, and by half of the hole's width at the most)
 //!   the disparity runs straight from one to the other.
 //! * **Otherwise something nearer hides the rest**, and the hole belongs to what lies behind: the
 //!   smaller of the two ends wins (Hirschmueller 2008). Where nothing points at the pixel (it is

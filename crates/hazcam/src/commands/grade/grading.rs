@@ -56,7 +56,7 @@ pub struct GradingArguments {
     #[arg(long, help_heading = "Limits")]
     no_sandbox: bool,
 
-    /// The Python that runs submissions [env: HAZCAM_PYTHON] [default: python3 on PATH]
+    /// The Python that runs submissions [env: HAZCAM_PYTHON] [default: python3 or python on PATH]
     #[arg(long, value_name = "PROGRAM", help_heading = "Limits")]
     python: Option<PathBuf>,
 }
@@ -110,9 +110,10 @@ impl Workshop {
         }
         let python = match &programs.python {
             Some(program) => Python::find(program).map_err(|error| error.to_string()),
-            None => Err("there is no python3 on PATH: install Python 3.8 or newer with numpy and \
-                         scipy, or name it with --python"
-                .into()),
+            None => Err(format!(
+                "{}: install Python 3.8 or newer with numpy and scipy, or name it with --python",
+                Programs::NO_PYTHON
+            )),
         };
         if let Ok(python) = &python {
             // Not what PATH finds: that may be a script which looks for Python where engines must
