@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use raster::{BoundingBox, Plane};
 
 use super::attempt::{Attempt, Bench};
-use super::calibration::{self, Calibration};
 use super::confined::Confinement;
 use super::entrant::Entrant;
+use super::machine_speed::{self, MachineSpeed};
 use super::outcome::Outcome;
 use super::report::{PROTOCOL, Report, TestResult};
 use super::scene::{Scene, Scenes};
@@ -68,7 +68,7 @@ impl Grader<'_> {
         observe: &mut dyn FnMut(Event<'_>),
     ) -> Report {
         let bench = self.bench();
-        let before_seconds = calibration::measure();
+        let before_seconds = machine_speed::measure();
         let mut tests = Vec::new();
         for test in &self.scheme.tests {
             observe(Event::Begins(test));
@@ -76,7 +76,8 @@ impl Grader<'_> {
             observe(Event::Ended(&result));
             tests.push(result);
         }
-        let calibration = Calibration { before_seconds, after_seconds: calibration::measure() };
+        let machine_speed =
+            MachineSpeed { before_seconds, after_seconds: machine_speed::measure() };
         Report {
             hazcam: env!("CARGO_PKG_VERSION").to_owned(),
             scheme: self.scheme.name.clone(),
@@ -92,7 +93,7 @@ impl Grader<'_> {
                 (Entrant::Submission(_), Ok(runner)) => Some(runner.python().version.clone()),
                 _ => None,
             },
-            calibration,
+            machine_speed,
         }
     }
 

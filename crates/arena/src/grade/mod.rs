@@ -14,11 +14,11 @@
 
 mod answer;
 mod attempt;
-mod calibration;
 mod confined;
 mod entrant;
 mod error;
 mod grader;
+mod machine_speed;
 mod outcome;
 pub mod output;
 mod report;
@@ -27,11 +27,11 @@ mod scheme;
 mod verdict;
 
 pub use answer::Scores;
-pub use calibration::Calibration;
 pub use confined::{Allowance, Confinement};
 pub use entrant::Entrant;
 pub use error::SchemeError;
 pub use grader::{Event, Grader};
+pub use machine_speed::MachineSpeed;
 pub use outcome::Outcome;
 pub use report::{PROTOCOL, Report, TestResult};
 pub use scene::{Render, Scene, Scenes, load_scenes};

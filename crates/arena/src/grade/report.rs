@@ -4,7 +4,7 @@ use raster::Plane;
 use serde::{Deserialize, Serialize};
 
 use super::answer::Scores;
-use super::calibration::Calibration;
+use super::machine_speed::MachineSpeed;
 use super::outcome::Outcome;
 use crate::engine::Usage;
 use crate::submission::{Finding, Part};
@@ -42,7 +42,8 @@ pub struct Report {
     /// The Python that ran a submission.
     pub python: Option<String>,
     /// How fast the machine was.
-    pub calibration: Calibration,
+    #[serde(rename = "calibration")]
+    pub machine_speed: MachineSpeed,
 }
 
 /// One test of one entrant.

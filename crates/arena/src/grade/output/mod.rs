@@ -41,7 +41,7 @@ fn to_milliseconds(seconds: f64) -> f64 {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::super::{Calibration, Outcome, Report, Scores, TestResult};
+    use super::super::{MachineSpeed, Outcome, Report, Scores, TestResult};
     use crate::engine::Usage;
     use crate::submission::{Finding, Part};
 
@@ -101,7 +101,7 @@ pub(crate) mod tests {
             protocol: "As always.".into(),
             confinement: "sandbox".into(),
             python: Some("3.11.7".into()),
-            calibration: Calibration { before_seconds: 0.001, after_seconds: 0.001 },
+            machine_speed: MachineSpeed { before_seconds: 0.001, after_seconds: 0.001 },
         }
     }
 }

@@ -77,12 +77,12 @@ pub fn ended(test: &TestResult) -> String {
 pub fn summary(report: &Report) -> String {
     let mut text = String::from("\n");
     let ran = report.tests.iter().any(|test| test.usage.cpu_seconds.is_some());
-    if ran && report.calibration.is_noisy() {
+    if ran && report.machine_speed.is_noisy() {
         text.push_str(&format!(
             "The machine was busy: a fixed piece of work took {:.2} ms before and {:.2} ms after \
              the tests. Take the times with caution.\n",
-            report.calibration.before_seconds * 1e3,
-            report.calibration.after_seconds * 1e3
+            report.machine_speed.before_seconds * 1e3,
+            report.machine_speed.after_seconds * 1e3
         ));
     }
     if report.grader_failed() {

@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 
 /// The time that a fixed piece of work took, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Calibration {
+pub struct MachineSpeed {
     /// Before the tests.
     pub before_seconds: f64,
     /// After the tests.
     pub after_seconds: f64,
 }
 
-impl Calibration {
+impl MachineSpeed {
     /// Whether the two differ by more than a tenth of the smaller.
     pub fn is_noisy(&self) -> bool {
         let (low, high) = match self.before_seconds < self.after_seconds {
@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn a_tenth_apart_is_noisy() {
         let noisy = |before_seconds, after_seconds| {
-            Calibration { before_seconds, after_seconds }.is_noisy()
+            MachineSpeed { before_seconds, after_seconds }.is_noisy()
         };
         assert!(!noisy(1.0, 1.09) && !noisy(1.09, 1.0) && noisy(1.0, 1.11) && noisy(1.11, 1.0));
     }
