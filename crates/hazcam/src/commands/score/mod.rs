@@ -8,13 +8,14 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail};
 use arena::record::RANKED_BAD;
+use arena::report::Format;
 use formats::{Encoding, ReadDisparity};
 use score::{Evaluation, Pixels, RankedError, Region, sparsification, suspected_scale};
 
 use crate::arguments::{self, GivenBox};
 use crate::cli::THRESHOLD_FAILED;
 use crate::ui::Ui;
-use report::{Format, Map, Ranking, Report};
+use report::{Map, Ranking, Report};
 use threshold::Threshold;
 
 /// Score a disparity map against ground truth
@@ -74,9 +75,11 @@ pub struct Args {
     #[arg(long, value_name = "N", help_heading = "Region", allow_hyphen_values = true)]
     max_disparity: Option<f64>,
 
-    /// What to print
-    #[arg(long, value_enum, default_value = "text", help_heading = "Output")]
-    format: Format,
+    /// What to print: text to be read, a Markdown table, CSV with a line for each measure, or JSON, every
+    /// number with its protocol
+    #[arg(long, default_value = "text", help_heading = "Output")]
+    #[arg(value_parser = super::choice(Format::NAMES))]
+    format: String,
 
     /// End with status 1 when MEASURE, named as in the output (but not density, AUC and AUSE), is over VALUE,
     /// which may be a share (0.05) or per cent (5%); a bias counts by its size. May be given several
@@ -122,7 +125,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ranking,
         suspected_scale,
     };
-    ui.print(&report.render(args.format)?)?;
+    let format: Format = args.format.parse().map_err(anyhow::Error::msg)?;
+    ui.print(&report.render(format)?)?;
 
     let mut failed = false;
     for threshold in &args.fail_over {

@@ -3,25 +3,12 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use arena::report::{Cell, Column, Table, in_markdown};
+use arena::report::{Cell, Column, Format, Table, in_markdown};
 use formats::Encoding;
 use score::{Measure, Scores, Sparsification, Unit};
 use serde::{Serialize, Serializer};
 
 use crate::wrap::wrapped;
-
-/// What to print.
-#[derive(Clone, Copy, clap::ValueEnum)]
-pub enum Format {
-    /// For reading
-    Text,
-    /// Every number with its protocol, for programs
-    Json,
-    /// One line per measure, for spreadsheets
-    Csv,
-    /// A table, for documents
-    Markdown,
-}
 
 /// The scores and where they come from.
 #[derive(Serialize)]
