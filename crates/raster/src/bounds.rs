@@ -156,7 +156,10 @@ mod tests {
         assert_eq!((b.columns(), b.rows()), (1, 3));
         assert!(b.contains(2, 5) && !b.contains(2, 6) && !b.contains(1, 4));
         assert!(b.check_within(3, 6).is_ok());
-        assert_eq!(b.check_within(3, 5), Err(BoundsError::Outside(b, 3, 5)));
+        for (columns, rows) in [(3, 5), (2, 6)] {
+            let outside = BoundsError::Outside(b, columns, rows);
+            assert_eq!(b.check_within(columns, rows), Err(outside));
+        }
     }
 
     #[test]
@@ -171,7 +174,12 @@ mod tests {
 
     #[test]
     fn inverted_boxes_and_empty_ranges_are_refused() {
-        assert!(BoundingBox::new(3, 0, 2, 0).is_err());
+        for (x0, y0, x1, y1) in [(3, 0, 2, 0), (0, 3, 0, 2)] {
+            let literal = BoundingBox { x0, y0, x1, y1 };
+            let inverted = BoundsError::Inverted(literal);
+            assert_eq!(BoundingBox::new(x0, y0, x1, y1), Err(inverted.clone()));
+            assert_eq!(literal.check_within(9, 9), Err(inverted));
+        }
         assert!(DisparityRange::new(1, 0).is_err());
         assert_eq!(DisparityRange::new(-3, 4).unwrap().count(), 8);
         assert_eq!(DisparityRange::new(i32::MIN, i32::MAX).unwrap().count(), 1 << 32);

@@ -134,6 +134,30 @@ mod tests {
     }
 
     #[test]
+    fn what_is_matched_or_filled_has_a_value() {
+        let with_value = Reason::ALL.map(Reason::has_value);
+        assert_eq!(with_value, [false, true, true, true, true, false, false, false]);
+    }
+
+    #[test]
+    fn around_a_box_a_map_is_empty_in_all_its_planes() {
+        let mut map = DisparityMap {
+            values: Plane::filled(3, 1, 7.0),
+            reasons: Plane::filled(3, 1, Reason::Matched),
+            confidence: Plane::filled(3, 1, 0.5),
+        };
+        map.empty_around(BoundingBox::new(1, 0, 1, 0).unwrap());
+        let without_value = map.values.map(|value| value.is_nan());
+        assert_eq!(
+            (without_value.samples(), map.values.row(0)[1]),
+            (&[true, false, true][..], 7.0)
+        );
+        let [outside, matched] = [Reason::OutsideBox, Reason::Matched];
+        assert_eq!(map.reasons.samples(), [outside, matched, outside]);
+        assert_eq!(map.confidence.samples(), [0.0, 0.5, 0.0]);
+    }
+
+    #[test]
     fn an_empty_map_holds_no_value() {
         let map = DisparityMap::empty(2, 2);
         assert!(map.values.samples().iter().all(|v| v.is_nan()));

@@ -168,13 +168,27 @@ mod tests {
     }
 
     #[test]
+    fn grey_is_rounded_to_the_nearest() {
+        // 0.587 and 0.114 are next to 1 and to 0; 0.299 + 0.587 to 1.
+        for (colour, grey) in [([0, 1, 0], 1), ([0, 0, 1], 0), ([1, 1, 0], 1)] {
+            let shallow = Image::Rgb8(Plane::filled(1, 1, colour));
+            assert_eq!(shallow.to_grey(), Grey::Depth8(Plane::filled(1, 1, grey)));
+            let deep = Image::Rgb16(Plane::filled(1, 1, colour.map(u16::from)));
+            assert_eq!(deep.to_grey(), Grey::Depth16(Plane::filled(1, 1, grey.into())));
+        }
+    }
+
+    #[test]
     fn few_bits_are_widened_to_16() {
         let image = Image::Grey16(Plane::new(3, 1, vec![0, 512, 1023]).unwrap());
         assert_eq!((image.depth(), image.bits_used()), (16, 10));
         assert_eq!(image.extremes(), Some([0, 1023]));
         // 65535 * 512 / 1023 = 32799.5
         let wide = Image::Grey16(Plane::new(3, 1, vec![0, 32800, 65535]).unwrap());
-        assert_eq!(image.widened_from(10), wide);
+        assert_eq!(image.clone().widened_from(10), wide);
+        // What is larger than so many bits can say is white, and no wrapped grey.
+        let white = Image::Grey16(Plane::new(3, 1, vec![0, 65535, 65535]).unwrap());
+        assert_eq!(image.widened_from(9), white);
         assert_eq!((wide.bits_used(), wide.clone().widened_from(16)), (16, wide));
         let colour = Image::Rgb16(Plane::filled(1, 1, [0, 1, 0]));
         assert_eq!(colour.bits_used(), 1);
@@ -190,5 +204,6 @@ mod tests {
         let image = Image::Rgb16(Plane::filled(1, 1, [65535; 3]));
         assert_eq!(image.to_grey(), Grey::Depth16(Plane::filled(1, 1, 65535)));
         assert_eq!(image.to_grey_f32().samples(), [255.0]);
+        assert_eq!(Image::Grey16(Plane::filled(1, 1, 65535)).to_grey_f32().samples(), [255.0]);
     }
 }

@@ -316,6 +316,27 @@ mod tests {
     }
 
     #[test]
+    #[should_panic(expected = "columns 2..4 and rows 0..1 of a view of 3 x 2")]
+    fn a_part_does_not_reach_into_the_next_row() {
+        let plane = Plane::filled(5, 4, 0u8);
+        plane.view().part(0..3, 0..2).part(2..4, 0..1);
+    }
+
+    #[test]
+    #[should_panic(expected = "columns 0..1 and rows 1..3 of a view of 3 x 2")]
+    fn a_part_has_no_row_below_its_last() {
+        let plane = Plane::filled(5, 4, 0u8);
+        plane.view().part(0..3, 0..2).part(0..1, 1..3);
+    }
+
+    #[test]
+    #[should_panic(expected = "row 2 of a view with 2 rows")]
+    fn a_view_hands_out_no_row_below_its_last() {
+        let plane = Plane::filled(5, 4, 0u8);
+        plane.view().part(0..3, 0..2).row(2);
+    }
+
+    #[test]
     fn every_so_many_th_row_begins_with_the_first() {
         let plane = Plane::from_fn(3, 5, |x, y| 10 * y + x);
         let part = plane.view().part(1..3, 0..5);
