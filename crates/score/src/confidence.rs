@@ -233,6 +233,16 @@ mod tests {
     }
 
     #[test]
+    fn without_an_error_there_is_none_to_relate_to() {
+        for error in [RankedError::EndPoint, RankedError::Bad(0.0)] {
+            let got = of(&[0.0; 3], &[0.1, 0.9, 0.5], error);
+            assert_eq!((got.auc, got.ause, got.relative_ause), (0.0, 0.0, None));
+        }
+        // Off by more than nothing is bad.
+        assert_eq!(of(&[0.0, 0.25], &[0.9, 0.1], RankedError::Bad(0.0)).auc, 0.25);
+    }
+
+    #[test]
     fn holes_are_stated_and_bad_input_is_refused() {
         let got = of(&[f32::NAN, 1.0], &[f32::NAN, 0.5], RankedError::EndPoint);
         assert_eq!((got.pixels, got.holes), (1, 1));
@@ -244,7 +254,9 @@ mod tests {
         assert_eq!(error, ScoreError::Confidence { x: 1, y: 0 });
         let small = Plane::filled(1, 1, 0.5);
         assert!(sparsification(&pixels, &small, RankedError::EndPoint).is_err());
-        assert!(sparsification(&pixels, &truth, RankedError::Bad(f64::NAN)).is_err());
+        for threshold in [-1.0, f64::NAN, f64::INFINITY] {
+            assert!(sparsification(&pixels, &truth, RankedError::Bad(threshold)).is_err());
+        }
 
         let (estimate, truth) = row(&[f32::NAN], &[1.0]);
         let pixels = Pixels::select(&estimate, &truth, &Region::whole()).unwrap();

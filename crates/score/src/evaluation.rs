@@ -109,11 +109,13 @@ mod tests {
     #[test]
     fn filling_uses_what_lies_outside_the_region() {
         let truth = Plane::filled(2, 1, 50.0);
-        let estimate = Plane::new(2, 1, vec![50.0, f32::NAN]).unwrap();
         let mask = Plane::new(2, 1, vec![false, true]).unwrap();
-        let scores = evaluate(&estimate, &truth, &Region::masked("right", &mask)).unwrap();
-        assert_eq!((scores.kitti.d1, scores.kitti.density), (0.0, 0.0));
-        assert_eq!(scores.region, "right");
+        for hole in [f32::NAN, f32::INFINITY] {
+            let estimate = Plane::new(2, 1, vec![50.0, hole]).unwrap();
+            let scores = evaluate(&estimate, &truth, &Region::masked("right", &mask)).unwrap();
+            assert_eq!((scores.kitti.d1, scores.kitti.density), (0.0, 0.0));
+            assert_eq!(scores.region, "right");
+        }
     }
 
     #[test]

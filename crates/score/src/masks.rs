@@ -49,6 +49,11 @@ mod tests {
             assert!(non_occluded(&left, &right, 0.1).samples()[3], "at {lands}");
         }
 
+        // Off by as much as the tolerance it is the same surface still, to either side.
+        for off in [SAME_SURFACE, -SAME_SURFACE] {
+            assert_eq!(non_occluded(&line(&[0.0]), &line(&[off]), SAME_SURFACE).samples(), [true]);
+        }
+
         for outside in [1.0, -1.0] {
             let plane = line(&[outside]);
             assert_eq!(non_occluded(&plane, &plane, SAME_SURFACE).samples(), [false]);

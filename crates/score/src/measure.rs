@@ -103,7 +103,7 @@ impl Measure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Region, evaluate};
+    use crate::{Evaluation, Region, evaluate};
     use raster::Plane;
 
     #[test]
@@ -119,6 +119,68 @@ mod tests {
         assert_eq!(value("d1"), Some(0.5));
         assert!(Measure::named("D1").unwrap().protocol(&scores).unwrap().starts_with("KITTI"));
         assert!(Measure::named("psnr").is_none());
+    }
+
+    #[test]
+    fn every_name_leads_to_its_own_number() {
+        // Estimates are off by so much, all beside a truth of 40, but the first, whose truth the course does not know,
+        // and the last two.
+        let errors = [
+            0.25, -0.25, 0.5, 0.5, 0.75, -1.0, 1.0, 1.25, 1.5, 1.75, -2.0, 2.5, 2.75, 3.25, -3.5,
+            4.5, 5.0, -6.0, 20.0, 4.0,
+        ];
+        let mut truth = [[0.0].as_slice(), &[40.0; 17], &[100.0; 2]].concat();
+        let mut estimate: Vec<f32> = truth.iter().zip(errors).map(|(t, e)| t + e).collect();
+        // KITTI fills the holes with the last estimate, 104: off by 0, 2.5, 3.5, 4.5 and twice by 10.
+        let holes = [104.0, 101.5, 100.5, 99.5, 94.0, 94.0];
+        truth.extend(holes);
+        estimate.extend([f32::NAN; 6]);
+        let [truth, estimate] = [truth, estimate].map(|row| Plane::new(26, 1, row).unwrap());
+        // For Middlebury the 120 beside 100 is 108, off by 8.
+        let evaluation = Evaluation::new(&estimate, &truth).unwrap().clipped_to(Some(108.0));
+        let scores = evaluation.scores(&Region::whole()).unwrap();
+
+        let squares = |values: &[f32]| values.iter().map(|v| f64::from(v * v)).sum::<f64>();
+        let all = squares(&errors);
+        let expected = [
+            ("E_RMS", Unit::Pixels, ((all - 0.0625 + squares(&holes)) / 25.0).sqrt()),
+            ("p_bad", Unit::Share, 15.0 / 25.0),
+            ("bad0.5", Unit::Share, 22.0 / 26.0),
+            ("bad1", Unit::Share, 19.0 / 26.0),
+            ("bad2", Unit::Share, 15.0 / 26.0),
+            ("bad4", Unit::Share, 10.0 / 26.0),
+            ("bad0.5-est", Unit::Share, 16.0 / 20.0),
+            ("bad1-est", Unit::Share, 13.0 / 20.0),
+            ("bad2-est", Unit::Share, 9.0 / 20.0),
+            ("bad4-est", Unit::Share, 4.0 / 20.0),
+            ("avgerr", Unit::Pixels, 50.25 / 20.0),
+            ("rms", Unit::Pixels, ((all - 400.0 + 64.0) / 20.0).sqrt()),
+            ("A50", Unit::Pixels, 1.75),
+            ("A90", Unit::Pixels, 5.0),
+            ("A95", Unit::Pixels, 6.0),
+            ("A99", Unit::Pixels, 8.0),
+            ("density", Unit::Share, 20.0 / 26.0),
+            ("D1", Unit::Share, 8.0 / 26.0),
+            ("D1-est", Unit::Share, 6.0 / 20.0),
+            ("Out2", Unit::Share, 14.0 / 26.0),
+            ("Out3", Unit::Share, 11.0 / 26.0),
+            ("Out4", Unit::Share, 7.0 / 26.0),
+            ("Out5", Unit::Share, 4.0 / 26.0),
+            ("EPE", Unit::Pixels, 62.25 / 20.0),
+            ("median", Unit::Pixels, 1.875),
+            ("bias", Unit::Pixels, 36.75 / 20.0),
+            ("subpixel-mean", Unit::Pixels, 4.25 / 7.0),
+            ("subpixel-rms", Unit::Pixels, f64::sqrt(3.1875 / 7.0)),
+            ("subpixel-bias", Unit::Pixels, 1.75 / 7.0),
+        ];
+        for (measure, (name, unit, number)) in Measure::ALL.into_iter().zip(expected) {
+            let found = measure.value(&scores).unwrap();
+            assert_eq!((measure.name, measure.unit), (name, unit));
+            assert!((found - number).abs() < 1e-12, "{name} is {found}, not {number}");
+            // A number of its own, or another one could stand in its place.
+            let same = expected.iter().filter(|other| other.2 == number).count();
+            assert_eq!(same, 1, "{name}");
+        }
     }
 
     #[test]

@@ -190,5 +190,6 @@ mod tests {
         for largest in [-1.0, f64::NAN, f64::INFINITY] {
             assert!(middlebury(&pixels, Some(largest)).is_err());
         }
+        assert_eq!(middlebury(&pixels, Some(0.0)).unwrap().avgerr, Some(1.0));
     }
 }

@@ -39,8 +39,13 @@ mod tests {
     use raster::Plane;
 
     fn suspicion(estimate: impl Fn(f32) -> f32) -> Option<f64> {
-        let truth = Plane::from_fn(50, 1, |x, _| 10.0 + x as f32);
-        let estimate = truth.map(|&d| estimate(d));
+        scale(&|x| 10.0 + x, &|x| estimate(10.0 + x))
+    }
+
+    /// What is suspected of a row of 50 pixels, whose truth and estimate depend on the column.
+    fn scale(truth: &dyn Fn(f32) -> f32, estimate: &dyn Fn(f32) -> f32) -> Option<f64> {
+        let truth = Plane::from_fn(50, 1, |x, _| truth(x as f32));
+        let estimate = Plane::from_fn(50, 1, |x, _| estimate(x as f32));
         suspected_scale(&Pixels::select(&estimate, &truth, &Region::whole()).unwrap())
     }
 
@@ -67,12 +72,24 @@ mod tests {
     }
 
     #[test]
+    fn a_factor_is_suspected_from_more_than_half_on() {
+        for (bad, suspected) in [(25.0, None), (26.0, Some(4.0))] {
+            // What is near 0 is right, the others have a factor.
+            let truth = |x: f32| if x < bad { 20.0 + x } else { 1.0 };
+            assert_eq!(scale(&truth, &|x| if x < bad { 4.0 * truth(x) } else { 1.0 }), suspected);
+        }
+        for (good, suspected) in [(25.0, None), (26.0, Some(4.0))] {
+            // All are bad, and so many would be right without the factor.
+            let estimate = |x: f32| if x < good { 4.0 * (20.0 + x) } else { 1000.0 };
+            assert_eq!(scale(&|x| 20.0 + x, &estimate), suspected);
+        }
+        // Off by 2 is not bad.
+        assert_eq!(scale(&|_| 2.0, &|_| 4.0), None);
+        assert_eq!(scale(&|_| 2.5, &|_| 5.0), Some(2.0));
+    }
+
+    #[test]
     fn what_is_near_0_or_unknown_speaks_for_no_factor() {
-        let scale = |truth: &dyn Fn(f32) -> f32, estimate: &dyn Fn(f32) -> f32| {
-            let truth = Plane::from_fn(50, 1, |x, _| truth(x as f32));
-            let estimate = Plane::from_fn(50, 1, |x, _| estimate(x as f32));
-            suspected_scale(&Pixels::select(&estimate, &truth, &Region::whole()).unwrap())
-        };
         assert_eq!(scale(&|x| x / 30.0, &|x| x / 30.0 + 8.0), None);
         // Zeros stand for what nobody knows, and what is known is right.
         let sparse = |x: f32| if x < 35.0 { 0.0 } else { x };

@@ -140,11 +140,12 @@ fn middleburys_numbers() {
         let case = Case::random(u)?;
         let largest = if u.ratio(1, 2)? { Some(f64::from(u.int_in_range(0..=60)?)) } else { None };
         let evaluation = Evaluation::new(&case.estimate, &case.truth).unwrap();
+        let pixels = case.pixels();
         let Ok(scores) = evaluation.clipped_to(largest).scores(&case.region()) else {
+            assert!(pixels.is_empty());
             return Ok(());
         };
         let got = scores.middlebury;
-        let pixels = case.pixels();
         let n = pixels.len() as f64;
         let mut errors = Vec::new();
         for &(_, _, e, t) in &pixels {
@@ -227,8 +228,11 @@ fn kittis_numbers() {
                 assert_eq!(got, kittis_fill(&case.estimate, x, y));
             }
         }
-        let Some(scores) = case.scores() else { return Ok(()) };
         let pixels = case.pixels();
+        let Some(scores) = case.scores() else {
+            assert!(pixels.is_empty());
+            return Ok(());
+        };
         let outlier = |e: f64, t: f64| (e - t).abs() > 3.0 && (e - t).abs() / t.abs() > 0.05;
         let (mut all, mut estimated, mut wrong) = (0.0, 0.0, 0.0);
         for &(x, y, e, t) in &pixels {
@@ -258,9 +262,13 @@ fn kittis_numbers() {
 fn end_point_errors() {
     arbtest(|u| {
         let case = Case::random(u)?;
-        let Some(scores) = case.scores() else { return Ok(()) };
+        let pixels = case.pixels();
+        let Some(scores) = case.scores() else {
+            assert!(pixels.is_empty());
+            return Ok(());
+        };
         let mut errors = Vec::new();
-        for (_, _, e, t) in case.pixels() {
+        for (_, _, e, t) in pixels {
             if e.is_finite() {
                 errors.push(e - t);
             }
@@ -319,7 +327,10 @@ fn areas_under_the_sparsification_curve() {
     arbtest(|u| {
         let case = Case::random(u)?;
         let evaluation = Evaluation::new(&case.estimate, &case.truth).unwrap();
-        let Ok(pixels) = evaluation.pixels(&case.region()) else { return Ok(()) };
+        let Ok(pixels) = evaluation.pixels(&case.region()) else {
+            assert!(case.pixels().is_empty());
+            return Ok(());
+        };
         for error in [RankedError::EndPoint, RankedError::Bad(1.0)] {
             let mut ranked = Vec::new();
             for (x, y, e, t) in case.pixels() {
