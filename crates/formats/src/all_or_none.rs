@@ -140,6 +140,19 @@ mod tests {
         assert!(!fs::metadata(null).unwrap().is_file());
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn what_fails_beside_a_device_leaves_all_earlier_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        fs::write(&path, "old").unwrap();
+        let null = Path::new("/dev/null");
+        let error = write_all_or_none([(&*path, &*says("new")), (null, &*fails())]).unwrap_err();
+        assert_eq!(error.path(), Some(null), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(entries(folder.path()), 1);
+    }
+
     #[test]
     fn a_trial_leaves_nothing_and_finds_what_stands_in_the_way() {
         let folder = tempfile::tempdir().unwrap();

@@ -226,3 +226,19 @@ impl Source {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_is_read_to_the_most_pixels() {
+        let source = Source::of("a.png", b"");
+        let size = |columns, rows| source.check_size(Container::Png, columns, rows, |_| 0);
+        assert_eq!(size(1 << 14, 1 << 14).unwrap(), (1 << 14, 1 << 14));
+        for (columns, rows) in [(MAX_PIXELS + 1, 1), (1 << 14, (1 << 14) + 1), (1 << 33, 1 << 33)] {
+            let error = size(columns, rows).unwrap_err();
+            assert!(matches!(error, FormatError::TooLarge { .. }), "{error}");
+        }
+    }
+}

@@ -80,6 +80,17 @@ fn fortran_order_runs_down_the_columns() {
 }
 
 #[test]
+fn an_array_may_have_more_dimensions_than_colours_need() {
+    for (order, samples) in [("False", vec![0, 1, 2, 3]), ("True", vec![0, 2, 1, 3])] {
+        let shape = "(2, 1, 2, 1)";
+        let dictionary =
+            format!("{{'descr': '|u1', 'fortran_order': {order}, 'shape': {shape}, }}\n");
+        let array = read(&file(&dictionary, &[0, 1, 2, 3])).unwrap();
+        assert_eq!(array, Array { shape: vec![2, 1, 2, 1], samples: Samples::Uint8(samples) });
+    }
+}
+
+#[test]
 fn the_length_must_be_that_of_the_shape() {
     let dictionary = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2), }\n";
     for bytes in [&[0; 15][..], &[0; 17], &[]] {

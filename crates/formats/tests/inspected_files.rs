@@ -31,6 +31,19 @@ fn a_map_of_8_bit_shows_what_each_scale_would_make_of_it() {
 }
 
 #[test]
+fn a_disparity_as_large_as_the_image_is_wide_is_not_plausible() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("disp.png");
+    for (columns, plausible) in [(55, false), (56, true)] {
+        write_image(&path, &Image::Grey8(Plane::filled(columns, 1, 220))).unwrap();
+        let json = serde_json::to_value(inspect(&path).unwrap()).unwrap();
+        let reading = &json["content"]["as_disparities"][3];
+        assert_eq!((&reading["encoding"], &reading["max"]), (&"png8/4".into(), &55.0.into()));
+        assert_eq!(reading["plausible"], plausible, "{columns}");
+    }
+}
+
+#[test]
 fn a_map_of_floats_shows_its_range_and_holes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("d.pfm");

@@ -49,16 +49,41 @@ fn a_png_that_is_shorter_than_any_picture_of_its_size_is_refused() {
 
 /// A TIFF of 20 x 20 grey pixels in one strip, whose directory stands before it.
 fn tiff_with_its_directory_first() -> Vec<u8> {
-    let entries = [(256, 20), (257, 20), (258, 8), (262, 1), (273, 98), (278, 20), (279, 400)];
+    tiff(&[(256, 20), (257, 20), (258, 8), (262, 1), (273, 98), (278, 20), (279, 400)], 400)
+}
+
+/// A TIFF of these entries, behind which so many samples of 7 stand.
+fn tiff(entries: &[(u16, u32)], samples: usize) -> Vec<u8> {
     let mut bytes = b"II\x2a\0\x08\0\0\0".to_vec();
     bytes.extend((entries.len() as u16).to_le_bytes());
-    for (tag, value) in entries {
+    for &(tag, value) in entries {
         bytes.extend([u16::to_le_bytes(tag), u16::to_le_bytes(4)].concat());
         bytes.extend([u32::to_le_bytes(1), u32::to_le_bytes(value)].concat());
     }
     bytes.extend([0; 4]);
-    bytes.extend([7; 400]);
+    bytes.resize(bytes.len() + samples, 7);
     bytes
+}
+
+#[test]
+fn a_tiff_whose_tiles_are_wider_than_its_bytes_allow_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tiles.tif");
+    // One tile of so many columns and 32 rows, which has the 20 x 20 pixels in it.
+    let tiled = |across| {
+        let of_picture = [(256, 20), (257, 20), (258, 8), (262, 1)];
+        let of_tile = [(322, across), (323, 32), (324, 110), (325, 1024)];
+        fs::write(&path, tiff(&[of_picture, of_tile].concat(), 1024)).unwrap();
+        read_image(&path).map_err(|error| error.to_string())
+    };
+    assert_eq!(tiled(32), Ok(Image::Grey8(Plane::filled(20, 20, 7))));
+    // No byte makes more than 2560 of a row: the file has 1134.
+    let first_refused = 2560 * 1135;
+    for (across, claims) in [(first_refused - 1, false), (first_refused, true), (u32::MAX, true)] {
+        let error = tiled(across).unwrap_err();
+        let claim = format!("it claims tiles of {across} columns");
+        assert_eq!(error.contains(&claim), claims, "{error}");
+    }
 }
 
 #[test]

@@ -136,6 +136,8 @@ mod tests {
             ("S_rect_00: 1242 375\nS_rect_01: 1241 375\n", "have one size"),
             ("S_rect_00: 1242.5 375\n", "must be columns and rows"),
             ("S_rect_00: -1 375\n", "must be columns and rows"),
+            ("S_rect_00: 0 0\n", "must be columns and rows"),
+            ("S_rect_00: 1242 0\n", "must be columns and rows"),
             ("S_rect_00: 1242\n", "must be 2 numbers"),
         ] {
             let error = sized(sizes).unwrap_err();

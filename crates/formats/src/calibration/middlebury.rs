@@ -153,6 +153,8 @@ mod tests {
         same(calibration.camera.cy, camera.cy);
         assert_eq!((calibration.width, calibration.height), (Some(640), Some(350)));
         assert_eq!(calibration.ndisp, Some(64));
+        let below_0 = DisparityRange::new(-20, -4).unwrap();
+        assert_eq!(read(&text(&camera, (640, 350), below_0)).unwrap().ndisp, Some(1));
     }
 
     #[test]

@@ -473,6 +473,41 @@ mod tests {
     }
 
     #[test]
+    fn what_was_rounded_is_believed_to_its_bound_and_no_further() {
+        let text = "cam0=[1000 0 320; 0 1000 240; 0 0 1]\ncam1=[1000 0 330; 0 1000 240; 0 0 1]\n\
+                    doffs=10\nbaseline=100\n";
+        for (from, within, beyond, words) in [
+            ("doffs=10", "doffs=10.099", "doffs=10.101", "`doffs` is 10.101"),
+            ("doffs=10", "doffs=9.901", "doffs=9.899", "`doffs` is 9.899"),
+            ("320; 0 1000", "320; 0 1000.9", "320; 0 1001.1", "only square pixels"),
+            ("320; 0 1000", "320; 0 999.1", "320; 0 998.9", "only square pixels"),
+            ("1000 0 330", "1000 9e-7 330", "1000 1.1e-6 330", "cam1 has 0.0000011 in row 1"),
+            ("0 0 1]\nd", "0 0 0.9999991]\nd", "0 0 0.9999989]\nd", "cam1 has 0.9999989 in row 3"),
+            ("240; 0 0 1]\nd", "240.49; 0 0 1]\nd", "240.51; 0 0 1]\nd", "principal points"),
+            ("240; 0 0 1]\nd", "239.51; 0 0 1]\nd", "239.49; 0 0 1]\nd", "principal points"),
+        ] {
+            let read_with = read(&text.replace(from, within));
+            assert!(read_with.is_ok(), "{within}: {read_with:?}");
+            refused(text, &[(from, beyond, words)]);
+        }
+    }
+
+    #[test]
+    fn images_without_pixels_have_no_calibration() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("calib.txt");
+        let camera = StereoCamera::new(700.0, 0.1, 0.0, 320.0, 240.0).unwrap();
+        let range = DisparityRange::new(0, 63).unwrap();
+        for size in [(0, 480), (640, 0)] {
+            let error = write_calibration(&path, &camera, size, range).unwrap_err().to_string();
+            let images = format!("images of {} x {} have", size.0, size.1);
+            assert!(error.contains(&images) && !path.exists(), "{error}");
+        }
+        write_calibration(&path, &camera, (1, 1), range).unwrap();
+        assert_eq!(read_calibration(&path).unwrap().width, Some(1));
+    }
+
+    #[test]
     fn what_is_no_calibration_is_refused() {
         for text in ["", "hello", "a=1\nb=2\n", "P7: 1 2 3\n"] {
             assert!(read(text).unwrap_err().contains("without a camera"), "{text}");

@@ -329,6 +329,22 @@ mod tests {
     }
 
     #[test]
+    fn a_header_is_believed_to_the_longest_one() {
+        let of_length = |length: usize| {
+            let mut bytes = b"\x93NUMPY\x02\0".to_vec();
+            bytes.extend((length as u32).to_le_bytes());
+            bytes.extend(b"{'descr': '<f4', 'fortran_order': False, 'shape': (7,)}");
+            bytes.resize(12 + length, b' ');
+            Header::parse(&bytes)
+        };
+        assert_eq!(of_length(LONGEST_HEADER).unwrap().data_at, 12 + 65536);
+        match of_length(LONGEST_HEADER + 1) {
+            Err(Refusal::Malformed(8, problem)) => assert!(problem.contains("at most 65536")),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
     fn objects_and_other_kinds_are_named() {
         for (descr, word) in [
             ("'|O'", "pickle"),

@@ -104,6 +104,25 @@ fn near_and_far(depths: &Plane<f32>) -> Option<(f32, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use camera::StereoCamera;
+
+    #[test]
+    fn colours_of_depths_end_where_a_point_may_be_anywhere() {
+        // A disparity of 0.5 px, as large as its error, is 200 m away.
+        let camera = StereoCamera::new(100.0, 1.0, 0.0, 0.0, 0.0).unwrap();
+        for (disparities, far, near) in [
+            ([4.0, 8.0], 25.0, 12.5),
+            ([0.125, 8.0], 200.0, 12.5),
+            // Where all are farther than that, from the nearest to the nearest.
+            ([0.0625, 0.125], 800.0, 800.0),
+        ] {
+            let map = Plane::new(2, 1, disparities.to_vec()).unwrap();
+            let view = View::new("map", &map).with_camera(camera, 0.5);
+            let depths = serde_json::to_value(&all(&view)[1]).unwrap();
+            assert_eq!((&depths["of"], &depths["ramp"]["to"]), (&"depths".into(), &near.into()));
+            assert_eq!(depths["ramp"]["from"], far);
+        }
+    }
 
     #[test]
     fn a_few_far_points_do_not_take_all_colours() {

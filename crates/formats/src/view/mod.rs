@@ -188,6 +188,17 @@ mod tests {
     }
 
     #[test]
+    fn points_are_shown_from_the_least_confidence_on() {
+        let map = Plane::new(4, 1, vec![8.0, 8.0, 8.0, f32::NAN]).unwrap();
+        let sure = Plane::new(4, 1, vec![0.25, 0.5, 0.75, 0.75]).unwrap();
+        assert_eq!(View::new("map", &map).shown(), 3);
+        for (least, shown) in [(0.0, 3), (0.5, 2), (0.75, 1), (1.0, 0)] {
+            let view = View::new("map", &map).with_confidence(&sure, least).unwrap();
+            assert_eq!((view.points(), view.shown()), (3, shown), "{least}");
+        }
+    }
+
+    #[test]
     fn titles_are_no_markup() {
         let map = Plane::filled(1, 1, 1.0);
         let mut page = Vec::new();
