@@ -76,3 +76,37 @@ impl Pair {
         Prepared { views, grey, vertical, noise, done }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Preset;
+    use crate::chance::Chance;
+    use raster::{BoundingBox, DisparityRange, Image};
+
+    /// Grey with noise of a standard deviation: twelve equally likely numbers added up are nearly normal.
+    fn noisy(deviation: f32, mut chance: Chance) -> Plane<u8> {
+        Plane::from_fn(200, 150, |_, _| {
+            let normal = (0..12).map(|_| chance.share()).sum::<f32>() - 6.0;
+            (100.0 + deviation * normal).round() as u8
+        })
+    }
+
+    #[test]
+    fn a_noisy_pair_is_smoothed_and_a_clean_one_is_not() {
+        let balanced = Ingredients::of(Preset::Balanced, &[]);
+        let (bounds, range) = (BoundingBox::whole(200, 150), DisparityRange::new(0, 9).unwrap());
+        for (deviation, is_smoothed) in [(1.0, false), (2.5, true)] {
+            let planes = [5, 6].map(|seed| noisy(deviation, Chance(seed)));
+            let [left, right] = planes.clone().map(Image::Grey8);
+            let frame = Frame { left: &left, right: &right, bounds, range };
+            let mut pair = Pair::default();
+            let prepared = pair.prepare(Level::detect(), balanced, &frame, false);
+            for (grey, plane) in prepared.grey.iter().zip(planes) {
+                assert_eq!(grey.to_plane() != plane, is_smoothed, "{deviation}");
+            }
+            // What is left of noise counts as none.
+            assert_eq!(prepared.noise == 0.0, is_smoothed, "{deviation}");
+        }
+    }
+}

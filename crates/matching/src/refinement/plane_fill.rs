@@ -222,6 +222,33 @@ mod tests {
     }
 
     #[test]
+    fn a_wall_goes_on_over_100_columns_and_is_flat_from_there_on() {
+        let wall = |x: usize| 10.0 + 0.2 * x as f32;
+        let mut view = view(Plane::from_fn(160, 30, |x, _| if x < 120 { HOLE } else { wall(x) }));
+        let row = filled_rows(&mut view).row(12).to_vec();
+        assert!(row[..20].iter().all(|&value| value == row[20]), "{row:?}");
+        assert!(row[20..].is_sorted_by(|a, b| a < b), "{row:?}");
+    }
+
+    #[test]
+    fn ends_are_of_one_surface_if_they_differ_by_little_and_by_half_of_the_hole() {
+        for (step, width, one_surface) in
+            [(7.5, 30, true), (7.75, 30, false), (7.0, 14, true), (7.25, 14, false)]
+        {
+            let after = 20 + width;
+            let mut view = view(Plane::from_fn(60, 30, |x, _| match x {
+                0..20 => 4.0,
+                _ if x < after => HOLE,
+                _ => 4.0 + step,
+            }));
+            let out = filled_rows(&mut view);
+            let expected = if one_surface { 4.0 + step / (width + 1) as f32 } else { 4.0 };
+            let found = out.row(9)[20];
+            assert!((found - expected).abs() < 1e-3, "{step} over {width}: {found}");
+        }
+    }
+
+    #[test]
     fn what_lies_behind_fills_an_occlusion_and_one_surface_runs_through() {
         let value = |x: usize| match x {
             20..28 => HOLE,

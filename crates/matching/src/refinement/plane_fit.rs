@@ -155,6 +155,22 @@ mod tests {
         check(Surface::fit::<COARSE>, &values, plane(32, 21));
     }
 
+    #[test]
+    fn a_narrow_support_has_little_slope_and_a_line_none() {
+        // The variance of two columns 2 pixels apart is 1, to which the ridge adds 5.
+        for (columns, expected) in [(1, 0.0), (3, 0.15 / 6.0)] {
+            let inside = 20..20 + columns;
+            let values = Plane::from_fn(41, 41, |x, _| match inside.contains(&x) {
+                true => 9.0 + 0.15 * (x - 20) as f32,
+                false => f32::NAN,
+            });
+            let Surface { along, down, .. } =
+                Surface::fit::<FINE>(Level::detect(), &values, 20, 20);
+            assert!((along - expected).abs() < 1e-3, "{columns}: {along}");
+            assert!(down.abs() < 1e-3, "{columns}: {down}");
+        }
+    }
+
     fn check(
         fit: impl Fn(Level, &Plane<f32>, usize, usize) -> Surface,
         values: &Plane<f32>,

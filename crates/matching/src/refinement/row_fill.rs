@@ -171,11 +171,18 @@ mod tests {
         assert_eq!(rows, [9, 9]);
     }
 
-    /// Fills a row in whole disparities from 0, one step each; columns begin at `first` of 40.
-    fn between(first: usize, runs: &[(usize, &[u16])]) -> (Vec<f32>, Vec<Reason>) {
-        let range = raster::DisparityRange::new(0, 20).unwrap();
+    /// How rows of 12 columns are filled that begin at `first` of 40.
+    fn filling(first: usize, range: (i32, i32)) -> Filling {
+        let range = raster::DisparityRange::new(range.0, range.1).unwrap();
         let bounds = BoundingBox::new(first, 0, first + 11, 0).unwrap();
         let numbers = FixedPoint::new(&crate::cost::SearchSpace::new(40, bounds, range));
+        Filling { width: 40, first, numbers, same_surface: 2 * numbers.scale() }
+    }
+
+    /// Fills a row in whole disparities from 0, one step each; columns begin at `first` of 40.
+    fn between(first: usize, runs: &[(usize, &[u16])]) -> (Vec<f32>, Vec<Reason>) {
+        let filling = filling(first, (0, 20));
+        let numbers = filling.numbers;
         let mut disparities = [13 * numbers.scale(); 12];
         for (start, run) in runs {
             for (to, from) in disparities[*start..].iter_mut().zip(*run) {
@@ -183,8 +190,6 @@ mod tests {
             }
         }
         let (mut reasons, mut confidence) = ([Reason::OutsideBox; 12], [1.0; 12]);
-        let same_surface = 2 * numbers.scale();
-        let filling = Filling { width: 40, first, numbers, same_surface };
         let row = Row {
             disparities: &mut disparities,
             reasons: &mut reasons,
@@ -232,5 +237,27 @@ mod tests {
         let (values, reasons) = between(0, &[]);
         assert!(values.iter().all(|v| v.is_nan()));
         assert_eq!(reasons, [MismatchedHole; 12]);
+    }
+
+    #[test]
+    fn the_right_strip_lies_outside_the_right_image_at_negative_disparities() {
+        let filling = filling(28, (-9, 0));
+        for quarters in 0..=36 {
+            let mut disparities = [quarters * (filling.numbers.scale() / 4); 12];
+            let (mut reasons, mut confidence) = ([Reason::OutsideBox; 12], [1.0; 12]);
+            let row = Row {
+                disparities: &mut disparities,
+                reasons: &mut reasons,
+                confidence: &mut confidence,
+            };
+            filling.fill_between(std::iter::once(0..2), row);
+            let value = filling.numbers.pixels(disparities[11]);
+            assert_eq!(value, f32::from(quarters) / 4.0 - 9.0);
+            for (x, &reason) in reasons.iter().enumerate().skip(2) {
+                let outside = is_outside(40, 28 + x, value);
+                let expected = if outside { OutsideRightFilled } else { MismatchedFilled };
+                assert_eq!(reason, expected, "column {x} at {value}");
+            }
+        }
     }
 }
