@@ -189,6 +189,12 @@ mod tests {
             ("doffs= 53.271", "doffs= 10", "`doffs` is 10"),
             ("doffs= 53.271", "doffs= -53.271", "cam1 exchanged?"),
             ("cam1=[1038.018", "cam1=[nan", "cam1 has the focal length NaN"),
+            (
+                "375.308; 0 1038.018",
+                "375.308; 0 2000",
+                "cam1 has the focal lengths 1038.018 across",
+            ),
+            ("375.308; 0 1038.018", "375.308; 0 nan", "cam1 has the focal lengths 1038.018 across"),
             ("width= 718", "width= 0", "`width` is 0"),
             ("width= 718", "width= 71.8", "`width` is 71.8"),
             ("ndisp= 73", "ndisp= 0", "`ndisp` is `0`"),

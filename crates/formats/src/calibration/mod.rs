@@ -391,7 +391,9 @@ impl<'a> Entries<'a> {
             );
             return Err(self.fail(None, problem));
         }
-        self.square(name, [focal, matrices[0][second_row + 1]])?;
+        for (name, down) in names.into_iter().zip(of_both(second_row + 1)) {
+            self.square(name, [focal, down])?;
+        }
         let [row, of_other] = of_both(second_row + 2);
         let is_one = (row - of_other).abs() <= SAME_ROW;
         if !is_one {
