@@ -352,6 +352,22 @@ fn a_box_that_leaves_the_images_is_named() {
 }
 
 #[test]
+fn a_range_by_truth_begins_below_0_only_where_more_than_a_few_pixels_do() {
+    let root = tempfile::tempdir().unwrap();
+    grey8(&root.path().join("a.png"), 9);
+    let scene =
+        r#"{"id": "a", "left": "a.png", "right": "a.png", "truth": "t.pfm", "use": "tuning"}"#;
+    fs::write(root.path().join("scenes.json"), format!("[{scene}]")).unwrap();
+    for (below, least) in [(1, 0), (40, -19)] {
+        let truth = |x: usize, y: usize| if x + SIZE.0 * y < below { -2e4 } else { 5.5f32 };
+        let truth = Plane::from_fn(SIZE.0, SIZE.1, truth);
+        write_disparity(root.path().join("t.pfm"), &truth).unwrap();
+        let range = dataset::open(root.path()).unwrap()[0].load().unwrap().range;
+        assert_eq!((range.min(), range.max()), (least, 6));
+    }
+}
+
+#[test]
 fn what_a_file_system_keeps_for_itself_holds_no_scenes() {
     let root = tempfile::tempdir().unwrap();
     for side in ["left", "right"] {

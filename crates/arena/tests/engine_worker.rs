@@ -143,18 +143,27 @@ fn programs_of_the_robust_vision_form_run_once_per_pair() {
         .unwrap();
     let script = format!(
         "test -s $1 && test -s $2 && test $3 = 16 && cp {}/a.pfm $4/disp0FAKE.pfm || exit 9
-         echo 0.25 > $4/timeFAKE.txt; echo done",
+         echo 0.0005 > $4/timeFAKE.txt; echo done",
         folder.path().display()
     );
     let mut fake = worker(scripted(folder.path(), "robust-vision", &script));
     for _ in 0..2 {
         let attempt = ask(&mut fake, 0);
         assert_eq!(attempt.status, Status::Done, "{}", attempt.log);
-        assert_eq!(attempt.claimed_seconds, Some(0.25));
+        assert_eq!(attempt.claimed_seconds, Some(0.0005));
         assert_eq!(attempt.answer.unwrap().disparity, Plane::filled(SIZE.0, SIZE.1, 5.0));
     }
     // By -1 programs say that they do not know.
-    let unknown = script.replace("echo 0.25", "echo -1");
+    let long = ask(
+        &mut worker(scripted(
+            folder.path(),
+            "robust-vision",
+            &script.replace("echo 0.0005", "echo 500"),
+        )),
+        0,
+    );
+    assert!(long.status.to_string().contains("matching took 500 s"), "{}", long.status);
+    let unknown = script.replace("echo 0.0005", "echo -1");
     let unknown = ask(&mut worker(scripted(folder.path(), "robust-vision", &unknown)), 0);
     assert_eq!((unknown.status, unknown.claimed_seconds), (Status::Done, None));
     let negative = ask(&mut fake, -1).status;

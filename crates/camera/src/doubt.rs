@@ -68,7 +68,7 @@ impl StereoCamera {
     pub fn doubt_of(&self, disparities: &Plane<f32>) -> Option<String> {
         let known = disparities.samples().iter().filter(|d| !d.is_nan());
         let all = known.clone().count();
-        let mut behind = known.filter(|d| self.depth(f64::from(**d)).is_none());
+        let mut behind = known.filter(|d| self.depth_in_32_bits(**d).is_none());
         let count = behind.clone().count();
         if 2 * count <= all {
             return None;

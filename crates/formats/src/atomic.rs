@@ -60,10 +60,8 @@ impl Place {
         let permissions = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return refused("it is a folder; name a file in it"),
             // To rename a file into its place would not ask.
-            Ok(found) if found.is_file() && found.permissions().readonly() => {
-                return refused(
-                    "it is write-protected; make it writable (chmod u+w), or name another file",
-                );
+            Ok(found) if found.is_file() && is_protected(path, &found) => {
+                return refused("it is write-protected; make it writable, or name another file");
             }
             Ok(found) if found.is_file() => Some(found.permissions()),
             Ok(_) => return Ok(None),
@@ -72,6 +70,13 @@ impl Place {
         let target = destination(path).map_err(|error| failed(path, error))?;
         Ok(Some(Self { target, permissions }))
     }
+}
+
+/// Whether a file must not be written, by anybody or by whoever runs this.
+fn is_protected(path: &Path, found: &fs::Metadata) -> bool {
+    let opened = fs::OpenOptions::new().write(true).open(path);
+    let is_denied = opened.is_err_and(|error| error.kind() == io::ErrorKind::PermissionDenied);
+    found.permissions().readonly() || is_denied
 }
 
 /// The path of the file that writing to `path` makes or replaces: its folder without links and

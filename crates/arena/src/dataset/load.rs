@@ -10,7 +10,8 @@ use super::case::{CaseData, CaseRegion, Files, TruthFile};
 use super::error::DatasetError;
 
 /// What the protocol says where nothing else tells the range.
-pub const RANGE_BY_TRUTH: &str = "range by the largest true disparity, and the smallest if below 0";
+pub const RANGE_BY_TRUTH: &str =
+    "range by the largest true disparity, and the smallest where many are below 0";
 /// What a protocol says of a range that nothing states.
 pub const RANGE_BY_WIDTH: &str = "range: a quarter of the width";
 /// What the protocol calls it.
@@ -184,13 +185,14 @@ fn assumed_range(
     if let Some(path) = &files.calibration {
         match read_calibration(path) {
             Ok(calibration) => {
-                if let Some(stated) = calibration.width.zip(calibration.height)
-                    && stated != size
-                {
-                    return Err(DatasetError::OfOtherImages { path: path.clone(), stated, size });
-                }
                 // Some data sets put the image's width here, which says nothing.
                 if let Some(count @ 1..) = calibration.ndisp.filter(|&count| count < columns) {
+                    if let Some(stated) = calibration.width.zip(calibration.height)
+                        && stated != size
+                    {
+                        let path = path.clone();
+                        return Err(DatasetError::OfOtherImages { path, stated, size });
+                    }
                     protocol.push(format!("range by ndisp in {}", name(path)));
                     return Ok(DisparityRange::new(0, count as i32 - 1)?);
                 }
@@ -200,7 +202,12 @@ fn assumed_range(
     }
     let ends = truth.map(|truth| {
         let known = truth.samples().iter().copied().filter(|value| value.is_finite());
-        known.fold((0f32, 0f32), |(least, most), value| (least.min(value), most.max(value)))
+        let (least, most) =
+            known.clone().fold((0f32, 0f32), |(least, most), d| (least.min(d), most.max(d)));
+        // A few that are wrong make no range that many programs do not know.
+        let below = known.clone().filter(|&d| d < 0.0).count() as f64;
+        let is_signed = below > WORTH_TELLING * known.count() as f64;
+        (if is_signed { least.max(1.0 - columns as f32) } else { 0.0 }, most)
     });
     let (least, most) = match ends {
         Some((least, most)) => {

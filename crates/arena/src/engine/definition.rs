@@ -140,33 +140,8 @@ impl Definition {
         if definition.command.first().is_none_or(String::is_empty) {
             return Err(invalid("`command` must name a program".into()));
         }
-        let texts = definition.command.iter().chain(definition.environment.values());
-        if let Some(word) = texts.filter_map(|text| unknown_placeholder(text)).next() {
-            return Err(invalid(format!(
-                "{word} stands for nothing: there are {}",
-                PLACEHOLDERS.join(", ")
-            )));
-        }
         Ok(definition)
     }
-}
-
-/// What stands for something else in commands and environments.
-const PLACEHOLDERS: [&str; 3] = ["{hazcam}", "{python}", "{folder}"];
-
-/// The first word in braces that is none of [`PLACEHOLDERS`], as one with a slip of the pen; `${word}` is the shell's.
-fn unknown_placeholder(text: &str) -> Option<&str> {
-    let mut from = 0;
-    while let Some(begin) = text[from..].find('{').map(|at| from + at) {
-        let inside = text[begin + 1..].chars().take_while(char::is_ascii_lowercase).count();
-        let end = begin + 1 + inside;
-        let is_word = inside > 0 && text[end..].starts_with('}') && !text[..begin].ends_with('$');
-        if is_word && !PLACEHOLDERS.contains(&&text[begin..=end]) {
-            return Some(&text[begin..=end]);
-        }
-        from = begin + 1;
-    }
-    None
 }
 
 /// Pictures of a scene lie beside those of engines, which are called as these are.
@@ -284,13 +259,6 @@ mod tests {
     }
 
     #[test]
-    fn what_only_looks_like_a_placeholder_stays() {
-        for text in ["{folder}/a", "${name}", "{\"a\": 1}", "{A}", "{}", "{", "{\u{e9}}", "{a"] {
-            assert_eq!(unknown_placeholder(text), None, "{text}");
-        }
-    }
-
-    #[test]
     fn what_is_wrong_with_a_definition_is_said() {
         for (text, words) in [
             ("command = ['x']", "missing field `name`"),
@@ -301,14 +269,6 @@ mod tests {
             ("name = 'im1'\ncommand = ['x']", "that of another picture"),
             ("name = 'x-error'\ncommand = ['x']", "that of another picture"),
             ("name = 'x'\ncommand = ['x']\ncolour = true", "unknown field `colour`"),
-            (
-                "name = 'x'\ncommand = ['{pyhton}', 'x']",
-                "{pyhton} stands for nothing: there are {hazcam}",
-            ),
-            (
-                "name = 'x'\ncommand = ['x']\nenvironment = {A = '{folder}/{b}'}",
-                "{b} stands for nothing",
-            ),
             ("name = 'x'\ncommand = ['x']\nkind = 'magic'", "unknown variant `magic`"),
         ] {
             let error = Definition::parse(text, "x.toml").unwrap_err().to_string();

@@ -35,6 +35,9 @@ pub(crate) fn run(
             let answer = read(&out, pair).map_err(|message| Status::BadResult { message })?;
             Ok((answer, claimed_seconds(&out)))
         });
+    let outcome = outcome.and_then(|(answer, claimed)| {
+        Status::past_claim(claimed, &usage).map_or(Ok((answer, claimed)), Err)
+    });
     let (status, answer, claimed_seconds) = match outcome {
         Ok((answer, claimed)) => (Status::Done, Some(answer), claimed),
         Err(status) => (status, None, None),

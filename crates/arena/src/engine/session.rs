@@ -19,9 +19,6 @@ const POLL: Duration = Duration::from_millis(25);
 /// How long an engine may take to exit once its standard input is closed.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// By so much of a time, and by so many seconds, may an engine's clock differ from this one's.
-const CLOCKS_DIFFER: (f64, f64) = (0.01, 0.002);
-
 /// An engine that is ready for jobs. Dropping it kills the process and its whole group.
 #[derive(Debug)]
 pub struct Session {
@@ -152,7 +149,9 @@ impl Session {
         let mut meter = Meter::from_now(self.child.id());
         let answer = self.exchange(job, &mut meter);
         let usage = meter.sample();
-        let answer = answer.and_then(|status| self.check_claim(&usage).map(|()| status));
+        let answer = answer.and_then(|status| {
+            Status::past_claim(self.claimed_seconds, &usage).map_or(Ok(status), Err)
+        });
         let status = match answer {
             // An answer that came between two looks at the clock may still have come too late.
             Ok(status) => {
@@ -164,21 +163,6 @@ impl Session {
             self.kill();
         }
         (status, usage)
-    }
-
-    /// Errors where matching alone is said to have taken longer than the whole job.
-    fn check_claim(&self, usage: &Usage) -> Result<(), Status> {
-        let all = usage.wall_seconds;
-        match self.claimed_seconds {
-            Some(claimed) if claimed > all * (1.0 + CLOCKS_DIFFER.0) + CLOCKS_DIFFER.1 => {
-                let message = format!(
-                    "it says that matching took {claimed} s, but its answer was there after {all:.6} s: `seconds` are \
-                     seconds of a monotonic clock"
-                );
-                Err(Status::ProtocolError { message })
-            }
-            _ => Ok(()),
-        }
     }
 
     fn exchange(&mut self, job: &Job, meter: &mut Meter) -> Result<Status, Status> {

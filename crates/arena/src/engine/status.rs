@@ -145,6 +145,20 @@ impl Status {
         }
     }
 
+    /// The status of an engine that says of its matching alone that it took longer than the whole job.
+    pub(crate) fn past_claim(claimed_seconds: Option<f64>, usage: &Usage) -> Option<Self> {
+        /// By so much of a time, and by so many seconds, may an engine's clock differ from this one's.
+        const CLOCKS_DIFFER: (f64, f64) = (0.01, 0.002);
+        let all = usage.wall_seconds;
+        let (part, more) = CLOCKS_DIFFER;
+        let claimed = claimed_seconds.filter(|claimed| *claimed > all * (1.0 + part) + more)?;
+        let message = format!(
+            "it says that matching took {claimed} s, but its answer was there after {all:.6} s: give seconds of a \
+             monotonic clock"
+        );
+        Some(Self::ProtocolError { message })
+    }
+
     /// The status of a process that has used more than it may.
     pub(crate) fn past_limit(usage: &Usage, wall: Duration, cpu: Option<Duration>) -> Option<Self> {
         let (used, limit, clock) = match (usage.cpu_seconds, cpu) {

@@ -9,7 +9,7 @@ use crate::record::Record;
 /// engine has no answer.
 pub fn coverage_table(records: &[Record]) -> Table {
     let records: Vec<&Record> = records.iter().filter(|record| !record.has_truth).collect();
-    let with_status = needs_status(&records);
+    let with_status = needs_status(records.iter().copied());
     let names = ["scene", "matcher"].map(Column::grouped).into_iter();
     let shares = ["density %", "matched %", "sure %"].map(Column::new);
     let status = with_status.then(|| Column::new("status"));

@@ -22,17 +22,15 @@ const MEASURES: [(&str, &str, f64, usize); 9] = [
 /// The regions of the table, with their short names.
 const REGIONS: [(&str, &str); 2] = [("all", "all"), ("non-occluded", "noc")];
 
-/// Scores over all pixels and over the non-occluded ones of scenes with truth, with times and memory in the first row
-/// of each pair. There is a column for the status when some engine has no answer.
+/// Scores over all pixels and over the non-occluded ones, with times and memory in the first row of each pair. There is a column for the status when some engine has no answer.
 ///
 /// E_RMS and average error are in pixels; p_bad is a share from 0 to 1, as the course gives it.
 pub fn scores_table(records: &[Record]) -> Table {
-    let records: Vec<&Record> = records.iter().filter(|record| record.has_truth).collect();
     let first = [Column::grouped("scene"), Column::grouped("matcher"), Column::new("pixels")];
     let measures = MEASURES.map(|(_, heading, ..)| Column::new(heading));
     let last = USED.map(Column::new);
     let mut columns: Vec<_> = first.into_iter().chain(measures).chain(last).collect();
-    let with_status = needs_status(&records);
+    let with_status = needs_status(records.iter());
     if with_status {
         columns.push(Column::new("status"));
     }
@@ -86,8 +84,8 @@ pub(super) fn used(record: &Record) -> [Cell; 3] {
 }
 
 /// Whether there is a column that tells how engines fared: where all is well it would only say so.
-pub(super) fn needs_status(records: &[&Record]) -> bool {
-    records.iter().any(|record| record.status != Status::Done)
+pub(super) fn needs_status<'a>(mut records: impl Iterator<Item = &'a Record>) -> bool {
+    records.any(|record| record.status != Status::Done)
 }
 
 /// What the table's numbers mean, a line for each, to be printed beside it.

@@ -83,6 +83,18 @@ fn of_pairs_without_truth_it_is_told_how_much_matchers_speak_of() {
     assert!(stdout.contains("nobody knows the truth") && !stdout.contains("E_RMS"), "{stdout}");
     let (_, stderr) = run(folder.path(), &["bench", "--data", "data", "--scenes", "*over*"], 2);
     assert!(stderr.contains("which is of the use rover: give --use rover too"), "{stderr}");
+    // A scene with truth beside it takes no row from the others.
+    let catalogue = r#"[{"id": "x/far", "use": "test", "left": "walls/near/im0.png", "right": "walls/near/im1.png"},
+        {"id": "x/near", "use": "test", "left": "walls/near/im0.png", "right": "walls/near/im1.png",
+         "truth": "walls/near/disp0GT.pfm"}]"#;
+    fs::create_dir(folder.path().join("mixed")).unwrap();
+    fs::rename(folder.path().join("data/walls"), folder.path().join("mixed/walls")).unwrap();
+    fs::write(folder.path().join("mixed/scenes.json"), catalogue).unwrap();
+    let mixed = ["bench", "--data", "mixed", "-m", "fast", "--use", "test", "--format", "csv"];
+    let (stdout, _) = run(folder.path(), &mixed, 0);
+    for scene in ["x/far,fast", "x/near,fast"] {
+        assert!(stdout.contains(scene), "{stdout}");
+    }
     let only = ["--use", "rover", "--format", "csv"];
     let (stdout, _) = run(folder.path(), &[&arguments[..], &only].concat(), 0);
     let numbers: Vec<f64> =

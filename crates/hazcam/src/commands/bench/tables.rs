@@ -68,8 +68,9 @@ impl Tables<'_> {
         match view {
             View::Scores => {
                 let words = |lines: &[&str]| lines.iter().copied().map(str::to_owned).collect();
-                let (scores, coverage) =
-                    (report::scores_table(records), report::coverage_table(records));
+                let with_truth = records.iter().filter(|record| record.has_truth).cloned();
+                let scores = report::scores_table(&with_truth.collect::<Vec<_>>());
+                let coverage = report::coverage_table(records);
                 let legend = words(&report::COVERAGE_LEGEND);
                 // How it was measured is told once.
                 let of_coverage =
