@@ -76,7 +76,10 @@ impl Contest {
         }
         let called = engines.called().chain(self.reference.as_deref());
         let ends = records.iter().map(|record| (&*record.engine, record.status.message()));
-        let all_answered = tell_silent(called, &ends.collect::<Vec<_>>(), ui);
+        let ends: Vec<_> = ends.collect();
+        // Where nothing could be read nobody was asked.
+        let nobody_asked = ends.is_empty() && unreadable > 0;
+        let all_answered = nobody_asked || tell_silent(called, &ends, ui);
         if own_failed || unreadable > 0 || records.is_empty() || !all_answered {
             return Ok(cli::ERROR.into());
         }
@@ -96,8 +99,7 @@ pub fn tell_silent<'a>(
     ends: &[(&str, Option<&str>)],
     ui: &Ui,
 ) -> bool {
-    // Where nothing could be read nobody was asked.
-    let called: BTreeSet<&str> = called.filter(|_| !ends.is_empty()).collect();
+    let called: BTreeSet<&str> = called.collect();
     let mut all_answered = true;
     for name in called {
         let of_engine = ends.iter().filter(|(engine, _)| *engine == name);
