@@ -133,10 +133,10 @@ macro_rules! file_of {
     };
 }
 
-/// What the system said; of a folder what to do.
+/// What the system said, behind what to do about a folder: errors end with the words of their cause.
 fn why(error: &io::Error) -> String {
     match error.kind() {
-        io::ErrorKind::IsADirectory => "it is a folder; name a file in it".to_owned(),
+        io::ErrorKind::IsADirectory => format!("it is a folder, name a file in it: {error}"),
         _ => error.to_string(),
     }
 }
