@@ -95,6 +95,12 @@ impl BoundingBox {
         }
     }
 
+    /// Its pixels `(x, y)`, row after row.
+    pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let Self { x0, y0, x1, y1 } = *self;
+        (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| (x, y)))
+    }
+
     /// Width in pixels, at least 1 in a box that [`BoundingBox::new`] made.
     pub fn columns(&self) -> usize {
         self.x1 - self.x0 + 1
@@ -155,6 +161,9 @@ mod tests {
         let b = BoundingBox::new(2, 3, 2, 5).unwrap();
         assert_eq!((b.columns(), b.rows()), (1, 3));
         assert!(b.contains(2, 5) && !b.contains(2, 6) && !b.contains(1, 4));
+        assert_eq!(b.pixels().collect::<Vec<_>>(), [(2, 3), (2, 4), (2, 5)]);
+        let wide = BoundingBox::new(0, 1, 1, 2).unwrap();
+        assert_eq!(wide.pixels().collect::<Vec<_>>(), [(0, 1), (1, 1), (0, 2), (1, 2)]);
         assert!(b.check_within(3, 6).is_ok());
         for (columns, rows) in [(3, 5), (2, 6)] {
             let outside = BoundsError::Outside(b, columns, rows);

@@ -85,10 +85,7 @@ impl Board {
         let failed = |source| failure(&path, source);
         let kind = schema::kind(&self.connection).map_err(failed)?;
         if kind == Kind::Empty {
-            let transaction = self
-                .connection
-                .transaction_with_behavior(TransactionBehavior::Immediate)
-                .map_err(failed)?;
+            let transaction = change(&mut self.connection, &path)?;
             // Somebody else may have begun it in the meantime.
             if schema::kind(&transaction).map_err(failed)? == Kind::Empty {
                 let (holdout, fingerprint) = beginning.ok_or_else(|| foreign("it is empty"))?;
@@ -129,10 +126,7 @@ impl Board {
         let owner = owner.into();
         let path = self.path.clone();
         let failed = |source| failure(&path, source);
-        let transaction = self
-            .connection
-            .transaction_with_behavior(TransactionBehavior::Immediate)
-            .map_err(failed)?;
+        let transaction = change(&mut self.connection, &path)?;
         let before = earlier(&transaction, &path, owner, &entry.secret_id)?;
         same_tests(&transaction, &path, owner, (&entry.report.scheme, &entry.tests))?;
         replace(&transaction, owner.name(), entry.clone(), pictures, truths).map_err(failed)?;
@@ -224,10 +218,7 @@ impl Board {
         }
         let path = self.path.clone();
         let failed = |source| failure(&path, source);
-        let transaction = self
-            .connection
-            .transaction_with_behavior(TransactionBehavior::Immediate)
-            .map_err(failed)?;
+        let transaction = change(&mut self.connection, &path)?;
         let others = ("SELECT secret_id FROM entry WHERE folded != ?", &*folded(from));
         nobody_looks_like(&transaction, &path, to, others)?;
         let changed = transaction.execute(
@@ -273,6 +264,12 @@ impl Board {
             problem: format!("an entry in it cannot be understood ({error})"),
         })
     }
+}
+
+/// Begins a change of the board, for which it waits until nobody else changes it.
+fn change<'a>(connection: &'a mut Connection, path: &Path) -> Result<Transaction<'a>, BoardError> {
+    let begun = connection.transaction_with_behavior(TransactionBehavior::Immediate);
+    begun.map_err(|source| failure(path, source))
 }
 
 /// Errors when somebody else on the board got points by other tests.

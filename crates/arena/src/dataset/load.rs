@@ -84,7 +84,7 @@ fn beyond(truth: &Plane<f32>, bounds: BoundingBox, range: DisparityRange) -> Opt
     let (all, found) = known.fold((0, 0), |(all, found), value| {
         (all + 1, found + usize::from((min..=max).contains(value)))
     });
-    let share = (all - found) as f64 / f64::from(all.max(1) as u32);
+    let share = (all - found) as f64 / all.max(1) as f64;
     (share > WORTH_TELLING).then(|| {
         let (share, min, max) = (100.0 * share, range.min(), range.max());
         format!("{share:.1} % {BEYOND_THE_RANGE}, {min} to {max}")

@@ -147,13 +147,9 @@ pub fn write_answer(
 /// engine's author.
 pub fn read_answer(job: &Job) -> Result<Answer, String> {
     let bounds = job.bounding_box().map_err(|error| error.to_string())?;
-    let pixels = || {
-        let rows = bounds.y0..=bounds.y1;
-        rows.flat_map(|y| (bounds.x0..=bounds.x1).map(move |x| (x, y)))
-    };
     let mut disparity = read_plane::<f32>(job, "disparity", &job.disparity)?
         .ok_or_else(|| format!("it wrote no disparity file ({})", file_name(&job.disparity)))?;
-    if let Some((x, y)) = pixels().find(|&(x, y)| disparity.row(y)[x].is_infinite()) {
+    if let Some((x, y)) = bounds.pixels().find(|&(x, y)| disparity.row(y)[x].is_infinite()) {
         return Err(format!(
             "the disparity at column {x}, row {y} is infinite; give NaN where there is none"
         ));
@@ -161,7 +157,7 @@ pub fn read_answer(job: &Job) -> Result<Answer, String> {
     let reasons = match read_plane::<u8>(job, "reasons", &job.reasons)? {
         Some(bytes) => {
             let unknown = |&(x, y): &(usize, usize)| Reason::from_byte(bytes.row(y)[x]).is_none();
-            if let Some((x, y)) = pixels().find(unknown) {
+            if let Some((x, y)) = bounds.pixels().find(unknown) {
                 let byte = bytes.row(y)[x];
                 return Err(format!(
                     "{byte}, at column {x}, row {y}, is no reason; they go from 0 to 7"
@@ -172,7 +168,9 @@ pub fn read_answer(job: &Job) -> Result<Answer, String> {
         None => None,
     };
     let contradicted = |reasons: &Plane<Reason>| {
-        pixels().find(|&(x, y)| reasons.row(y)[x].has_value() == disparity.row(y)[x].is_nan())
+        bounds
+            .pixels()
+            .find(|&(x, y)| reasons.row(y)[x].has_value() == disparity.row(y)[x].is_nan())
     };
     if let Some(plane) = &reasons
         && let Some((x, y)) = contradicted(plane)
@@ -187,26 +185,17 @@ pub fn read_answer(job: &Job) -> Result<Answer, String> {
     }
     let confidence = read_plane::<f32>(job, "confidence", &job.confidence)?;
     if let Some(plane) = &confidence
-        && let Some((x, y)) = pixels().find(|&(x, y)| !(0.0..=1.0).contains(&plane.row(y)[x]))
+        && let Some((x, y)) =
+            bounds.pixels().find(|&(x, y)| !(0.0..=1.0).contains(&plane.row(y)[x]))
     {
         let sure = plane.row(y)[x];
         return Err(format!(
             "the confidence at column {x}, row {y} is {sure}; it must be from 0 to 1"
         ));
     }
-    blank_outside(&mut disparity, bounds);
+    // Nobody is to score by what was not asked for: holes are filled from around them.
+    disparity.fill_around(bounds, f32::NAN);
     Ok(Answer { disparity, reasons, confidence })
-}
-
-/// Takes out what was not asked for, so that nobody scores by it: holes are filled from around them.
-pub(super) fn blank_outside(disparity: &mut Plane<f32>, bounds: BoundingBox) {
-    for y in 0..disparity.rows() {
-        for (x, value) in disparity.row_mut(y).iter_mut().enumerate() {
-            if !bounds.contains(x, y) {
-                *value = f32::NAN;
-            }
-        }
-    }
 }
 
 /// A file of the answer; `None` when it is not there.

@@ -33,7 +33,8 @@ pub(crate) fn exited_with(code: i32) -> String {
     format!("it exited with status {code} without an answer")
 }
 
-/// Starts a process at the head of a process group of its own, which a signal that ends this process ends too (`interrupt`).
+/// Starts a process at the head of a process group of its own, which a signal that ends this process ends too
+/// (`interrupt`).
 pub(crate) fn start(command: &mut Command) -> io::Result<Child> {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);

@@ -148,7 +148,7 @@ fn read(out: &Path, pair: &Pair<'_>) -> Result<Answer, String> {
             pair.left.rows()
         ));
     }
-    exchange::blank_outside(&mut disparity, pair.bounds);
+    disparity.fill_around(pair.bounds, f32::NAN);
     Ok(Answer { disparity, reasons: None, confidence: None })
 }
 

@@ -111,7 +111,8 @@ impl Session {
         self.claimed_seconds
     }
 
-    /// What the engine said besides messages, on each of its streams the last 16 KiB, errors last. While it lives, what it said in the last moment may still be on its way.
+    /// What the engine said besides messages, on each of its streams the last 16 KiB, errors last. While it
+    /// lives, what it said in the last moment may still be on its way.
     pub fn log(&self) -> String {
         self.log.text()
     }
@@ -149,14 +150,11 @@ impl Session {
         let mut meter = Meter::from_now(self.child.id());
         let answer = self.exchange(job, &mut meter);
         let usage = meter.sample();
-        let answer = answer.and_then(|status| {
-            Status::past_claim(self.claimed_seconds, &usage).map_or(Ok(status), Err)
-        });
         let status = match answer {
             // An answer that came between two looks at the clock may still have come too late.
-            Ok(status) => {
-                Status::past_limit(&usage, self.limits.wall, self.limits.cpu).unwrap_or(status)
-            }
+            Ok(status) => Status::past_claim(self.claimed_seconds, &usage)
+                .or_else(|| Status::past_limit(&usage, self.limits.wall, self.limits.cpu))
+                .unwrap_or(status),
             Err(status) => status,
         };
         if !status.leaves_engine_ready() {

@@ -85,7 +85,7 @@ impl Worker {
         }
     }
 
-    /// Matches a pair. One that speaks the protocol and could not be started once is not tried again.
+    /// Matches a pair. An engine that speaks the protocol and could not be started once is not tried again.
     pub fn run(&mut self, pair: &Pair<'_>) -> Attempt {
         match self.definition.kind {
             Kind::Protocol => self.run_protocol(pair),

@@ -203,8 +203,7 @@ fn disagreement(first: &Plane<f32>, second: Attempt, bounds: BoundingBox) -> Opt
         let (a, b) = (first.row(y)[x], second.row(y)[x]);
         a != b && !(a.is_nan() && b.is_nan())
     };
-    let pixels = (bounds.y0..=bounds.y1).flat_map(|y| (bounds.x0..=bounds.x1).map(move |x| (x, y)));
-    match pixels.filter(|&pixel| differs(pixel)).count() {
+    match bounds.pixels().filter(|&pixel| differs(pixel)).count() {
         0 => None,
         count => Some(format!("a second run gave other values in {count} pixels of the box")),
     }

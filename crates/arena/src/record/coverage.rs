@@ -25,27 +25,19 @@ impl Coverage {
     /// Counts inside `bounds`, which lies inside the answer.
     pub fn of(answer: &Answer, bounds: BoundingBox) -> Self {
         let Answer { disparity, reasons, confidence } = answer;
-        let is_known = |value: &f32| value.is_finite();
-        let sure = confidence.as_ref().map(|confidence| {
-            let is_sure = Plane::from_fn(disparity.columns(), disparity.rows(), |x, y| {
-                is_known(&disparity.row(y)[x]) && confidence.row(y)[x] >= SURE
-            });
-            count(&is_sure, bounds, |&sure| sure)
-        });
+        let count = |counts: &dyn Fn(usize, usize) -> bool| {
+            bounds.pixels().filter(|&(x, y)| counts(x, y)).count()
+        };
+        let is_known = |x: usize, y: usize| disparity.row(y)[x].is_finite();
+        let matched = |reasons: &Plane<Reason>| count(&|x, y| reasons.row(y)[x] == Reason::Matched);
+        let sure = |sure: &Plane<f32>| count(&|x, y| is_known(x, y) && sure.row(y)[x] >= SURE);
         Self {
             pixels: bounds.columns() * bounds.rows(),
-            estimates: count(disparity, bounds, is_known),
-            matched: reasons
-                .as_ref()
-                .map(|r| count(r, bounds, |&reason| reason == Reason::Matched)),
-            sure,
+            estimates: count(&is_known),
+            matched: reasons.as_ref().map(matched),
+            sure: confidence.as_ref().map(sure),
         }
     }
-}
-
-fn count<T>(plane: &Plane<T>, bounds: BoundingBox, counts: impl Fn(&T) -> bool) -> usize {
-    let BoundingBox { x0, y0, x1, y1 } = bounds;
-    (y0..=y1).map(|y| plane.row(y)[x0..=x1].iter().filter(|value| counts(value)).count()).sum()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::scores::{USED, USED_LEGEND, needs_status, used};
 use super::table::{Cell, Column, Table};
-use crate::record::Record;
+use crate::record::{Coverage, Record};
 
 /// Of every scene that has no truth and every engine, the shares of the box, in per cent, that have a disparity, that
 /// were matched and that the engine is sure of, with times and memory. There is a column for the status when some
@@ -16,17 +16,17 @@ pub fn coverage_table(records: &[Record]) -> Table {
     let columns = names.chain(shares).chain(USED.map(Column::new)).chain(status).collect();
     let mut table = Table { columns, rows: Vec::new() };
     for record in records {
-        let share = |of: Option<usize>| {
-            let all = record.coverage.map(|coverage| coverage.pixels);
-            Cell::number(of.zip(all).map(|(some, all)| 100.0 * some as f64 / all as f64), 1)
+        let share = |of: fn(&Coverage) -> Option<usize>| {
+            let coverage = record.coverage.as_ref();
+            let share = |coverage| Some(100.0 * of(coverage)? as f64 / coverage.pixels as f64);
+            Cell::number(coverage.and_then(share), 1)
         };
-        let coverage = record.coverage;
         let mut row = vec![
             Cell::text(&record.case),
             Cell::text(&record.engine),
-            share(coverage.map(|coverage| coverage.estimates)),
-            share(coverage.and_then(|coverage| coverage.matched)),
-            share(coverage.and_then(|coverage| coverage.sure)),
+            share(|coverage| Some(coverage.estimates)),
+            share(|coverage| coverage.matched),
+            share(|coverage| coverage.sure),
         ];
         row.extend(used(record));
         row.extend(with_status.then(|| Cell::text(record.status.name())));

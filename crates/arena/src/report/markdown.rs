@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_stand_right_and_bars_are_in_markdown() {
+    fn numbers_stand_right_and_bars_are_escaped() {
         let table = Table {
             columns: vec![Column::new("a"), Column::new("b")],
             rows: vec![vec![Cell::text("x|y"), Cell::Number(0.5, 2)]],

@@ -22,7 +22,8 @@ const MEASURES: [(&str, &str, f64, usize); 9] = [
 /// The regions of the table, with their short names.
 const REGIONS: [(&str, &str); 2] = [("all", "all"), ("non-occluded", "noc")];
 
-/// Scores over all pixels and over the non-occluded ones, with times and memory in the first row of each pair. There is a column for the status when some engine has no answer.
+/// Scores over all pixels and over the non-occluded ones, with times and memory in the first row of
+/// each pair. There is a column for the status when some engine has no answer.
 ///
 /// E_RMS and average error are in pixels; p_bad is a share from 0 to 1, as the course gives it.
 pub fn scores_table(records: &[Record]) -> Table {

@@ -1,11 +1,11 @@
 //! Engines against each other on the same scenes, with progress, and what comes of it.
 
-use anyhow::anyhow;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
+use anyhow::anyhow;
 use arena::dataset::Case;
 use arena::engine::Definition;
 use arena::record::Machine;
@@ -75,8 +75,8 @@ impl Contest {
             ui.error(&anyhow!("a matcher of hazcam's own has not answered: its row says why"));
         }
         let called = engines.called().chain(self.reference.as_deref());
-        let ends = records.iter().map(|record| (&*record.engine, record.status.message()));
-        let ends: Vec<_> = ends.collect();
+        let ends: Vec<_> =
+            records.iter().map(|record| (&*record.engine, record.status.message())).collect();
         // Where nothing could be read nobody was asked.
         let nobody_asked = ends.is_empty() && unreadable > 0;
         let all_answered = nobody_asked || tell_silent(called, &ends, ui);

@@ -39,7 +39,10 @@ impl SceneArguments {
                  `hazcam demo`, which needs none"
             );
         };
-        let others = self.purpose.is_none().then(|| self.of_another_use(&cases, default));
+        let others = match self.purpose {
+            None => self.of_another_use(&cases, default),
+            Some(_) => None,
+        };
         match &self.purpose {
             Some(purpose) => {
                 let purpose: Purpose = purpose.parse().map_err(anyhow::Error::msg)?;
@@ -71,7 +74,7 @@ impl SceneArguments {
             );
         }
         let chosen = matching(cases, |case| &case.id, self.scenes.as_deref());
-        chosen.map_err(|error| others.flatten().map_or(error, anyhow::Error::msg))
+        chosen.map_err(|error| others.map_or(error, anyhow::Error::msg))
     }
 
     /// Says that there are scenes that are asked for, but of a use that is not taken by default.

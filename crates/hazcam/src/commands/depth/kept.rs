@@ -4,8 +4,7 @@ use camera::StereoCamera;
 use raster::Plane;
 use serde::Serialize;
 
-/// What makes a pixel's depth not worth having; by default nothing.
-#[derive(Default)]
+/// What makes a pixel's depth not worth having.
 pub struct Limits<'a> {
     /// How sure each pixel is, and how sure it must be.
     pub confidence: Option<(&'a Plane<f32>, f32)>,
