@@ -124,6 +124,20 @@ pub(crate) trait Products: Bits + LookUp + Nearness {
     /// The same, pair after pair, for sums that grow together: all of them see the same pairs of the lanes, and
     /// share pairs of their own. Those of a vector stay in registers from the first pair to the last.
     fn add_all<const N: usize>(self, sums: &mut [Sums; N], shared: &[[Pair; N]], own: &[Sums]);
+
+    /// The same for two kinds of sums, each with pairs of its own, that share theirs with each other: where there are
+    /// registers for both, what is shared is read once.
+    #[inline(always)]
+    fn add_to_both<const N: usize>(
+        self,
+        sums: &mut [[Sums; N]; 2],
+        shared: &[[Pair; N]],
+        own: [&[Sums]; 2],
+    ) {
+        for (sums, own) in sums.iter_mut().zip(own) {
+            self.add_all(sums, shared, own);
+        }
+    }
 }
 
 /// The definition, which the compiler vectorises where nothing better is written out.
@@ -195,7 +209,7 @@ mod x86 {
     macro_rules! level {
         (
             $name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr,
-            $numbers:ident, |$a:ident, $b:ident| $pairs:expr
+            $numbers:ident, |$a:ident, $b:ident| $pairs:expr $(, $together:item)?
         ) => {
             #[derive(Clone, Copy)]
             pub(crate) struct $name(());
@@ -305,6 +319,8 @@ mod x86 {
                         }
                     }
                 }
+
+                $($together)?
             }
         };
     }
@@ -350,6 +366,31 @@ mod x86 {
                 low,
                 _mm512_set1_epi32(0xFFFF),
             )
+        },
+        #[inline(always)]
+        fn add_to_both<const N: usize>(
+            self,
+            sums: &mut [[Sums; N]; 2],
+            shared: &[[Pair; N]],
+            [one, other]: [&[Sums]; 2],
+        ) {
+            let mut all =
+                sums.each_ref().map(|sums| sums.each_ref().map(|sums| self.read(sums, 0)));
+            for (shared, (one, other)) in shared.iter().zip(one.iter().zip(other)) {
+                let own = [one, other].map(|own| self.read(own, 0));
+                for (n, shared) in shared.iter().enumerate() {
+                    // SAFETY: as in `add`.
+                    let shared = unsafe { _mm512_set1_epi32(transmute::<Pair, i32>(*shared)) };
+                    for (sums, own) in all.iter_mut().zip(own) {
+                        sums[n] = self.plus(sums[n], shared, own);
+                    }
+                }
+            }
+            for (sums, all) in sums.iter_mut().zip(all) {
+                for (sums, all) in sums.iter_mut().zip(all) {
+                    self.write(sums, 0, all);
+                }
+            }
         }
     );
 }
@@ -368,6 +409,14 @@ mod tests {
 
         fn all_added[products](sums: &mut [Sums; 8], shared: &[[Pair; 8]], own: &[Sums]) {
             products.add_all(sums, shared, own);
+        }
+
+        fn added_to_both[products](
+            sums: &mut [[Sums; 8]; 2],
+            shared: &[[Pair; 8]],
+            own: [&[Sums]; 2],
+        ) {
+            products.add_to_both(sums, shared, own);
         }
     }
 
@@ -412,18 +461,21 @@ mod tests {
             let shared: Vec<[Pair; 8]> = (0..pairs)
                 .map(|i| std::array::from_fn(|n| [extreme(5 * i + n), noise(11 * i + n) / 4]))
                 .collect();
-            let own: Vec<Sums> = (0..pairs)
-                .map(|i| {
-                    let lane = |l| packed(half(90 * i + l) / 8, half(70 * i + l) / 8);
-                    Line(std::array::from_fn(lane))
-                })
-                .collect();
+            let [own, of_another] = [90, 110].map(|step| -> Vec<Sums> {
+                let lane = |i, l| packed(half(step * i + l) / 8, half(70 * i + l) / 8);
+                (0..pairs).map(|i| Line(std::array::from_fn(|l| lane(i, l)))).collect()
+            });
             let mut expected = begin;
             Plain.add_all(&mut expected, &shared, &own);
+            let mut of_both = [begin, expected];
+            Plain.add_to_both(&mut of_both, &shared, [&own, &of_another]);
+            assert_eq!(of_both[0], expected);
             for level in Level::available() {
-                let mut sums = begin;
+                let (mut sums, mut both) = (begin, [begin, expected]);
                 all_added(level, &mut sums, &shared, &own);
                 assert_eq!(sums, expected, "{pairs} pairs, level {}", level.name());
+                added_to_both(level, &mut both, &shared, [&own, &of_another]);
+                assert_eq!(both, of_both, "{pairs} pairs, level {}", level.name());
             }
         }
     }

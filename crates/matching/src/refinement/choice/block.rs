@@ -1,19 +1,21 @@
 //! What pixels can choose from, and what is known of each candidate.
 //!
-//! Candidates are the planes of a pixel itself and of others around it, continued to where it lies.
-//! Neighbours of one row are looked at together: what they look at lies side by side too. Those that
-//! have a choice are then worked on together, from a few rows. Where not all pixels are matched, maps hold those
+//! Candidates are the planes of a pixel itself and of others around it, continued to where it lies. Pixels of a few
+//! rows are worked on together, those that are asked and no others. Where not all pixels are matched, maps hold those
 //! that are.
+
+use std::ops::Range;
 
 use raster::{Plane, Reason, View};
 
 use super::edges::WAYS;
 use super::hint::{self, Hints};
-use super::notes::Note;
+use super::notes::{Mark, Note, Words};
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, SAME, in_turns};
 use super::slopes::{rise, steep};
 use super::strip::Strip;
+use super::undecided;
 use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
 use crate::kernels::aligned::Line;
 use crate::kernels::level::Level;
@@ -55,6 +57,8 @@ pub(crate) struct Scene<'a> {
 /// A few rows of both images, one after the other, that pixels are compared with.
 #[derive(Clone, Copy)]
 pub(super) struct Compared<'a> {
+    /// The first of them, counted in the map.
+    first: usize,
     /// Columns in each.
     width: usize,
     /// A column of the map is every so many-th one of these.
@@ -81,14 +85,13 @@ impl<'a> Compared<'a> {
             base.compute(level, &strip.base, row, place);
             other.compute(level, &strip.other, row, place);
         }
-        let width = scene.given.right.columns();
+        let (width, every) = (scene.given.right.columns(), strip.every());
         let right = &scene.given.right.samples()[first * width..][..rows * width];
-        Self { width, every: strip.every(), base: base.get(), other: other.get(), right }
+        Self { first, width, every, base: base.get(), other: other.get(), right }
     }
 }
 
-/// Pixels of a row, their candidates and what is known of them. Neighbours first: then those that have
-/// a choice are [taken](Block::take) into another block, where more is asked.
+/// Pixels of a few rows, their candidates and what is known of them.
 ///
 /// Lanes lie as they are written here, each where a cache line begins: across two of them, a vector takes two
 /// loads.
@@ -100,7 +103,11 @@ pub(super) struct Block {
     /// 1 where they come from inside the map, else 0.
     pub inside: [Lanes; MOST],
     steep: [Lanes; MOST],
+    marks: [[Mark; LANES]; MOST],
     notes: [[Note; LANES]; MOST],
+    /// Of those that diagonals lead to, the sums of the steps before them; of the pixels those of both diagonals.
+    sums: [[u16; LANES]; MOST],
+    sums_here: [[u16; LANES]; 2],
     /// How the candidates lie to each other.
     pub relations: Relations,
     /// How far they are to be heard, two after the other.
@@ -120,15 +127,16 @@ pub(super) struct Block {
     outside: [Lanes; MOST],
     /// How many of the pixels are of interest.
     count: usize,
-    /// Where the pixels lie in the map: columns, and rows counted from the first of those that are worked on.
-    pub columns: [usize; LANES],
-    pub rows: [usize; LANES],
+    /// Where the pixels lie in the map.
+    columns: Line<[i32; LANES]>,
+    rows: Line<[i32; LANES]>,
+    /// Whether they lie side by side in a row: then so do their candidates' places.
+    side_by_side: bool,
     /// Their columns in the image, and where the rows begin that they are compared with.
-    image_columns: [i32; LANES],
-    begins: [usize; LANES],
+    image_columns: Line<[i32; LANES]>,
+    begins: Line<[i32; LANES]>,
     /// Whether there is a choice.
     pub open: [bool; LANES],
-    y: usize,
     places: &'static [Place],
 }
 
@@ -136,6 +144,8 @@ pub(super) struct Block {
 const HEARD: f32 = 16384.0;
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
 const KINDS_OF_VOTES: usize = 4;
+/// The ways whose sums are not in the notes.
+const DIAGONALS: Range<usize> = 2..WAYS;
 
 pub(super) const NONE: Lanes = Line([0.0; LANES]);
 
@@ -155,154 +165,137 @@ impl Block {
         self.places.len()
     }
 
-    /// Finds the candidates of pixels from `(x, y)` on, in a row counted from the first of some; says whether any
-    /// that is marked has a choice.
+    /// Finds the candidates of some pixels, and says whether any has a choice. All notes are taken before anything
+    /// is made of them: what was just written in parts cannot be read as a whole for a while.
     #[inline(always)]
-    pub fn find(
-        &mut self,
-        scene: &Scene<'_>,
-        reach: &Reach,
-        marked: [bool; LANES],
-        (x, y): (usize, usize),
-        row: usize,
-    ) -> bool {
-        (self.y, self.places) = (y, reach.places);
-        self.open = [false; LANES];
-        self.rows = [row; LANES];
+    pub fn find(&mut self, scene: &Scene<'_>, reach: &Reach, pixels: &[undecided::Place]) -> bool {
+        (self.count, self.places) = (pixels.len(), reach.places);
         for l in 0..LANES {
-            self.columns[l] = x + l;
+            let [column, row] = pixels[if l < pixels.len() { l } else { 0 }];
+            (self.columns[l], self.rows[l]) = (column, row);
         }
-        if marked == [false; LANES] {
-            return false;
+        // They come in order, row by row.
+        let last = LANES - 1;
+        self.side_by_side =
+            self.rows[0] == self.rows[last] && self.columns[last] - self.columns[0] == last as i32;
+        for k in 0..reach.places.len() {
+            self.take(scene, k);
         }
+        self.continue_planes(scene, reach)
+    }
+
+    /// Takes the notes of where candidate `k` comes from. Beyond the ends of the map its rows are repeated.
+    #[inline(always)]
+    fn take(&mut self, scene: &Scene<'_>, k: usize) {
         let (columns, rows) = scene.values.size();
-        let (least, most) = (scene.given.least, scene.given.most);
-        self.here = Line(run(scene.values.row(y), x as i64));
-        let here = self.here;
-        let notes = run(scene.strip.notes.row(scene.strip.row(y)), x as i64);
-        let (mut smallest, mut largest) = (here, here);
-        let mut undecided = [false; LANES];
-        let mut ends = (NONE, Line([[0; 2]; LANES]));
-        for (k, place) in reach.places.iter().enumerate() {
-            let (u, row) = place.seen_from(x, y, rows);
-            let v = row.unwrap_or(y);
-            let values = run_in(scene.values.row(v), u, &mut ends.0);
-            let slopes = run_in(scene.strip.slopes.row(scene.strip.row(v)), u, &mut ends.1);
-            let way = place.pixels(reach.every);
-            let inside = if row.is_some() { inside(u, columns) } else { NONE };
-            let disparities = &mut self.disparities[k];
+        let (columns, rows) = (columns as i32, rows as i32);
+        let (strip, place) = (scene.strip, self.places[k]);
+        let mut at = Line([0; LANES]);
+        let mut all_inside = true;
+        for l in 0..LANES {
+            let (column, row) = (self.columns[l] + place.columns, self.rows[l] + place.rows);
+            let is_in_rows = (row >= 0) & (row < rows);
+            let row = if is_in_rows { row } else { self.rows[l] };
+            let clamped = if column < 0 { 0 } else { column };
+            let clamped = if clamped < columns { clamped } else { columns - 1 };
+            let is_inside = is_in_rows & (clamped == column);
+            all_inside &= is_inside;
+            self.inside[k][l] = share(is_inside);
+            at[l] = ((row - strip.top() as i32) * columns + clamped) as u32;
+        }
+        let notes = strip.notes.samples();
+        if self.side_by_side && all_inside {
+            self.notes[k].copy_from_slice(&notes[at[0] as usize..][..LANES]);
+        } else {
             for l in 0..LANES {
-                let d = values[l] - rise(slopes[l], way);
+                self.notes[k][l] = notes[at[l] as usize];
+            }
+        }
+        if k == 0 {
+            for (sums_here, way) in self.sums_here.iter_mut().zip(DIAGONALS) {
+                let sums = strip.edges.samples(way);
+                for l in 0..LANES {
+                    sums_here[l] = sums[at[l] as usize];
+                }
+            }
+        } else if DIAGONALS.contains(&place.way) {
+            let sums = strip.edges.samples(place.way);
+            for l in 0..LANES {
+                self.sums[k][l] = sums[at[l] as usize];
+            }
+        }
+    }
+
+    /// Continues the planes of all candidates to where the pixels lie, and says what is seen of where they come from;
+    /// returns whether any pixel has a choice.
+    #[inline(always)]
+    fn continue_planes(&mut self, scene: &Scene<'_>, reach: &Reach) -> bool {
+        let (least, most) = (scene.given.least, scene.given.most);
+        let own = Words::of(&self.notes[0]);
+        self.here = own.disparities;
+        let here = self.here;
+        let (mut smallest, mut largest) = (here, here);
+        for (k, place) in reach.places.iter().enumerate() {
+            let words = Words::of(&self.notes[k]);
+            let way = place.pixels(reach.every);
+            let inside = &self.inside[k];
+            for l in 0..LANES {
+                let d = words.disparities[l] - rise(words.slope(l), way);
                 let d = if inside[l] > 0.0 { d } else { here[l] };
                 let d = if d < least { least } else { d };
-                disparities[l] = if d > most { most } else { d };
-                self.steep[k][l] = steep(slopes[l]);
-            }
-            self.inside[k] = inside;
-            for l in 0..LANES {
-                let d = disparities[l];
+                let d = if d > most { most } else { d };
+                self.disparities[k][l] = d;
+                self.steep[k][l] = steep(words.slope(l));
                 smallest[l] = if d < smallest[l] { d } else { smallest[l] };
                 largest[l] = if d > largest[l] { d } else { largest[l] };
             }
-            if k + 1 == reach.inner {
-                let mut any = false;
-                for l in 0..LANES {
-                    undecided[l] =
-                        !notes[l].is_settled() | (largest[l] - smallest[l] > reach.settled);
-                    any |= undecided[l] & marked[l];
-                }
-                if !any {
-                    return false;
-                }
+            let [sums_here, sums] = match place.way {
+                way @ ..2 => [&own, &words].map(|words| words.sums(way == 0)),
+                way => [self.sums_here[way - 2], self.sums[k]],
+            };
+            for l in 0..LANES {
+                let edges = (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs();
+                self.marks[k][l] = words.mark(l).seen(own.mark(l).grey(), edges);
             }
         }
         (self.smallest, self.largest) = (smallest, largest);
+        self.know_pixels(scene);
         let mut any = false;
         for l in 0..LANES {
-            let is_one = self.columns[l] < columns;
-            let open =
-                is_one & marked[l] & undecided[l] & (largest[l] - smallest[l] > reach.choice);
-            self.open[l] = open;
-            any |= open;
+            self.open[l] = largest[l] - smallest[l] > reach.choice;
+            any |= self.open[l];
         }
         any
     }
 
-    /// Looks at the pixels, and at where their candidates come from.
+    /// What is known of the pixels, but for their texture.
     #[inline(always)]
-    pub fn look(&mut self, scene: &Scene<'_>) {
-        let (x, y) = (self.columns[0], self.y);
-        let strip = scene.strip;
-        let grey_here = run(strip.grey.row(strip.row(y)), x as i64);
-        let mut ends = (Line([Note::default(); LANES]), Line([0; LANES]));
-        let mut sums_here = [[0; LANES]; WAYS];
-        for (way, sums) in sums_here.iter_mut().enumerate() {
-            *sums = run(strip.edges.row(way, strip.row(y)), x as i64);
-        }
-        for (k, place) in self.places.iter().enumerate() {
-            let (u, row) = place.seen_from(x, y, scene.values.rows());
-            let v = row.unwrap_or(y);
-            let notes = run_in(strip.notes.row(strip.row(v)), u, &mut ends.0);
-            let sums = run_in(strip.edges.row(place.way, strip.row(v)), u, &mut ends.1);
-            for l in 0..LANES {
-                let edges = (sums_here[place.way][l].wrapping_sub(sums[l]) as i16).unsigned_abs();
-                self.notes[k][l] = notes[l].seen(grey_here[l], edges);
-            }
-        }
-        let reasons = run(scene.reasons.row(y), x as i64);
+    fn know_pixels(&mut self, scene: &Scene<'_>) {
+        let columns = scene.values.columns() as i32;
+        let mut reasons = [Reason::Matched; LANES];
         for l in 0..LANES {
-            self.of_pixel[0][l] = self.notes[0][l].confidence();
+            let pixel = self.rows[l] * columns + self.columns[l];
+            reasons[l] = scene.reasons.samples()[pixel as usize];
+        }
+        for l in 0..LANES {
+            self.of_pixel[0][l] = self.marks[0][l].confidence();
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
             self.of_pixel[2][l] = share(reasons[l] == Reason::MismatchedFilled);
             self.of_pixel[3][l] = share(reasons[l] == Reason::OutsideRightFilled);
-            self.of_pixel[4][l] = self.notes[0][l].doubt();
+            self.of_pixel[4][l] = self.marks[0][l].doubt();
         }
     }
 
-    /// Takes a pixel of another block, with all that was seen of it. Not compiled for every level: with
-    /// instructions that gather and scatter the compiler would use them, which takes longer.
-    #[inline(never)]
-    pub fn take(&mut self, to: usize, other: &Block, from: usize) {
-        self.places = other.places;
-        self.columns[to] = other.columns[from];
-        self.rows[to] = other.rows[from];
-        self.here[to] = other.here[from];
-        self.smallest[to] = other.smallest[from];
-        self.largest[to] = other.largest[from];
-        for i in 0..OF_PIXEL {
-            self.of_pixel[i][to] = other.of_pixel[i][from];
-        }
-        for k in 0..other.places.len() {
-            self.disparities[k][to] = other.disparities[k][from];
-            self.inside[k][to] = other.inside[k][from];
-            self.steep[k][to] = other.steep[k][from];
-            self.notes[k][to] = other.notes[k][from];
-        }
-    }
-
-    /// Compares the windows of the first pixels, so many, and their candidates with each other; then
-    /// hints can be asked for. The other pixels are of no interest.
+    /// Compares the windows of the pixels and their candidates with each other; then hints can be asked for.
     #[inline(always)]
-    pub fn compare(
-        &mut self,
-        products: impl Products,
-        count: usize,
-        given: &Given<'_>,
-        compared: &Compared<'_>,
-    ) {
-        // They may lie beyond the ends of the map.
-        for l in count..LANES {
-            self.columns[l] = self.columns[0];
-            self.rows[l] = self.rows[0];
-        }
+    pub fn compare(&mut self, products: impl Products, given: &Given<'_>, compared: &Compared<'_>) {
         let mut at = Line([0; LANES]);
         for l in 0..LANES {
-            let column = given.first + compared.every * self.columns[l];
-            self.image_columns[l] = column as i32;
-            self.begins[l] = compared.width * self.rows[l];
-            at[l] = self.begins[l] + column;
+            let column = given.first as i32 + compared.every as i32 * self.columns[l];
+            self.image_columns[l] = column;
+            self.begins[l] = compared.width as i32 * (self.rows[l] - compared.first as i32);
+            at[l] = (self.begins[l] + column) as u32;
         }
-        self.count = count;
         self.windows.take(compared.base, &at);
         let textures = self.windows.textures();
         for l in 0..LANES {
@@ -328,13 +321,13 @@ impl Block {
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped > last { last } else { clamped };
             outside[l] = share(clamped != column);
-            at[l] = self.begins[l] + clamped as usize;
-            mirrored[l] = self.begins[l] + (last - clamped) as usize;
+            at[l] = (self.begins[l] + clamped) as u32;
+            mirrored[l] = (self.begins[l] + (last - clamped)) as u32;
         }
         self.outside[k] = outside;
         self.met[k].take(compared.other, &at);
         for l in 0..LANES {
-            self.right[k][l] = compared.right[mirrored[l]];
+            self.right[k][l] = compared.right[mirrored[l] as usize];
         }
     }
 
@@ -370,13 +363,13 @@ impl Block {
         for l in 0..LANES {
             let inside = self.inside[k][l] * HEARD;
             // Of the same shade: 1 to 0 over 16 grey values.
-            let note = self.notes[k][l];
-            let shade = 1.0 - note.shade() * 1.25;
+            let mark = self.marks[k][l];
+            let shade = 1.0 - mark.shade() * 1.25;
             let shade = if shade < 0.05 { 0.05 } else { shade };
-            let edges = changes(note);
+            let edges = changes(mark);
             weights[0][l] = nearest(inside);
             weights[1][l] = nearest(inside * shade);
-            weights[2][l] = nearest(inside * (note.confidence() + 0.01));
+            weights[2][l] = nearest(inside * (mark.confidence() + 0.01));
             weights[3][l] = nearest(inside / (1.0 + edges * edges));
         }
         weights
@@ -401,12 +394,12 @@ impl Block {
             hints[hint::ABOVE_SMALLEST][l] = bent(disparities[l] - self.smallest[l]);
             hints[hint::BELOW_LARGEST][l] = bent(self.largest[l] - disparities[l]);
             hints[hint::STEEP][l] = 2.0 * self.steep[k][l];
-            let note = self.notes[k][l];
-            hints[hint::CONFIDENCE][l] = note.confidence();
-            hints[hint::FILLED][l] = note.filled();
-            hints[hint::DOUBT][l] = note.doubt();
-            hints[hint::SHADE][l] = note.shade();
-            hints[hint::CHANGES][l] = changes(note);
+            let mark = self.marks[k][l];
+            hints[hint::CONFIDENCE][l] = mark.confidence();
+            hints[hint::FILLED][l] = mark.filled();
+            hints[hint::DOUBT][l] = mark.doubt();
+            hints[hint::SHADE][l] = mark.shade();
+            hints[hint::CHANGES][l] = changes(mark);
             hints[hint::VOTES][l] = self.votes[k][0][l] as f32 * self.scales[0][l];
             hints[hint::VOTES_OF_SHADE][l] = self.votes[k][1][l] as f32 * self.scales[1][l];
             hints[hint::VOTES_OF_CONFIDENT][l] = self.votes[k][2][l] as f32 * self.scales[2][l];
@@ -427,75 +420,11 @@ fn bent(difference: f32) -> f32 {
 
 /// How much the grey changes on the way to a candidate, as a judge sees it.
 #[inline(always)]
-fn changes(note: Note) -> f32 {
-    bent(note.edges() * 0.05)
+fn changes(mark: Mark) -> f32 {
+    bent(mark.edges() * 0.05)
 }
 
 #[inline(always)]
-fn share(is: bool) -> f32 {
+pub(super) fn share(is: bool) -> f32 {
     if is { 1.0 } else { 0.0 }
-}
-
-/// The samples of a row from `start` on; beyond its ends the row is repeated.
-#[inline(always)]
-pub(super) fn run<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    *run_in(row, start, &mut [row[0]; LANES])
-}
-
-/// The same where they lie, or else in `end`. Copied to the stack first, many of them are waited for: how long
-/// depends on whether the copy lies across two cache lines.
-#[inline(always)]
-fn run_in<'a, T: Copy>(row: &'a [T], start: i64, end: &'a mut [T; LANES]) -> &'a [T; LANES] {
-    match row.get(start as usize..).and_then(|row| row.first_chunk()) {
-        Some(run) => run,
-        None => {
-            *end = run_at_end(row, start);
-            end
-        }
-    }
-}
-
-#[cold]
-#[inline(never)]
-fn run_at_end<T: Copy>(row: &[T], start: i64) -> [T; LANES] {
-    let length = row.len() as i64;
-    let [from, to] = [start, start + LANES as i64].map(|end| end.clamp(0, length) as usize);
-    if from == to {
-        return [row[if start < 0 { 0 } else { row.len() - 1 }]; LANES];
-    }
-    let before = (from as i64 - start) as usize;
-    let mut run = [row[to - 1]; LANES];
-    run[..before].fill(row[from]);
-    run[before..][..to - from].copy_from_slice(&row[from..to]);
-    run
-}
-
-/// 1 for columns from `start` on that lie inside a row of so many, 0 for others.
-#[inline(always)]
-fn inside(start: i64, columns: usize) -> Lanes {
-    let mut inside = Line([1.0; LANES]);
-    if start < 0 || start + LANES as i64 > columns as i64 {
-        for l in 0..LANES {
-            inside[l] = share((0..columns as i64).contains(&(start + l as i64)));
-        }
-    }
-    inside
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn runs_repeat_the_ends_of_a_row() {
-        for length in [1, 5, LANES, 40] {
-            let row: Vec<usize> = (0..length).collect();
-            for start in -40..60 {
-                let expected: [usize; LANES] = std::array::from_fn(|l| {
-                    (start + l as i64).clamp(0, length as i64 - 1) as usize
-                });
-                assert_eq!(run(&row, start), expected, "from {start} of {length}");
-            }
-        }
-    }
 }

@@ -84,7 +84,13 @@ impl Edges {
         Work::bytes(columns * image.rows() + Self::bytes(columns * image.rows()))
     }
 
-    /// The sums of the steps before the pixels of row `y`, on a way.
+    /// The sums of the steps before all pixels, on a way.
+    #[inline(always)]
+    pub fn samples(&self, way: usize) -> &[u16] {
+        self.0[way].samples()
+    }
+
+    /// Those of row `y`.
     #[inline(always)]
     pub fn row(&self, way: usize, y: usize) -> &[u16] {
         self.0[way].row(y)

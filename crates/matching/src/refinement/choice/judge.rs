@@ -72,13 +72,14 @@ pub(super) struct Mind {
     own: [Sums; LARGEST],
     /// What is known of a candidate.
     pub hints: Hints,
-    /// The first layer of a candidate.
-    numbers: [Pairs; LARGEST / 2],
+    /// The first layer of two candidates.
+    numbers: [[Pairs; LARGEST / 2]; 2],
     /// Of each candidate.
     pub scores: [Lanes; MOST],
     pub odds: Odds,
-    /// For judges with a context: what is known of each candidate, what of that goes into the context, and that.
+    /// What is known of candidates as layers take it: of two, or where there is a context of all.
     heard: [[Pairs; OF_EACH / 2]; MOST],
+    /// What of that goes into the context, and that.
     all: [Pairs; (MOST * IN_CONTEXT + OF_PIXEL) / 2],
     context: [Pairs; LARGEST / 2],
 }
@@ -91,7 +92,7 @@ impl Default for Mind {
             all: [Line([0; LANES]); (MOST * IN_CONTEXT + OF_PIXEL) / 2],
             context: [Line([0; LANES]); LARGEST / 2],
             own: [Line([0; LANES]); LARGEST],
-            numbers: [Line([0; LANES]); LARGEST / 2],
+            numbers: [[Line([0; LANES]); LARGEST / 2]; 2],
             scores: [NONE; MOST],
             odds: Odds::default(),
         }
@@ -99,12 +100,10 @@ impl Default for Mind {
 }
 
 impl Mind {
-    /// Remembers the hints as those of candidate `k`.
+    /// Remembers the hints, so many others before them.
     #[inline(always)]
-    pub fn hear(&mut self, products: impl Products, k: usize) {
-        self.heard[k] = told(products, &self.hints);
-        let [a, b, c, ..] = self.heard[k];
-        self.all.as_chunks_mut::<{ IN_CONTEXT / 2 }>().0[k] = [a, b, c];
+    pub fn hear(&mut self, products: impl Products, others: usize) {
+        self.heard[others] = told(products, &self.hints);
     }
 }
 
@@ -213,12 +212,16 @@ impl Judge {
         of_pixel: &[Lanes; OF_PIXEL],
         mind: &mut Mind,
     ) {
-        let Mind { all, context, own, .. } = mind;
+        let Mind { heard, all, context, own, .. } = mind;
         let [a, b, c] = of_pixel.as_chunks().0 else { unreachable!("pixels have six numbers") };
         let pairs = [products.pairs(a), products.pairs(b), products.pairs(c)];
         let context = match self.layers.context {
             0 => &pairs[..],
             numbers => {
+                let of_candidates = all.as_chunks_mut::<{ IN_CONTEXT / 2 }>().0.iter_mut();
+                for (all, [a, b, c, ..]) in of_candidates.zip(&heard[..self.places.len()]) {
+                    *all = [*a, *b, *c];
+                }
                 self.of_all(products, &pairs, all, context);
                 &context[..numbers / 2]
             }
@@ -249,53 +252,52 @@ impl Judge {
         }
     }
 
-    /// Scores candidate `k`, of which the hints are known.
+    /// Scores candidate `k` and the one after it, of which the mind has heard after so many others.
     #[inline(always)]
-    pub(super) fn score(&self, products: impl Products, k: usize, mind: &mut Mind) {
-        let Mind { hints, own, numbers, scores, .. } = mind;
-        scores[k] = self.score_of(products, k, &told(products, hints), own, numbers);
-    }
-
-    /// The same of which the mind has heard.
-    #[inline(always)]
-    pub(super) fn score_heard(&self, products: impl Products, k: usize, mind: &mut Mind) {
+    pub(super) fn score(&self, products: impl Products, k: usize, others: usize, mind: &mut Mind) {
         let Mind { heard, own, numbers, scores, .. } = mind;
-        scores[k] = self.score_of(products, k, &heard[k], own, numbers);
-    }
-
-    #[inline(always)]
-    fn score_of(
-        &self,
-        products: impl Products,
-        k: usize,
-        hints: &[Pairs; OF_EACH / 2],
-        own: &[Sums; LARGEST],
-        numbers: &mut [Pairs; LARGEST / 2],
-    ) -> Lanes {
-        let places = self.places[k].as_chunks().0;
-        let groups = numbers.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut();
-        let groups = groups.zip(own.as_chunks().0);
+        let hints = [&heard[others], &heard[others + 1]];
+        let places = [0, 1].map(|i| self.places[k + i].as_chunks().0);
+        let own = own.as_chunks::<TOGETHER>().0;
         // Of a length that the compiler does not know: unrolled, the loop over them takes longer.
         let of_each =
             self.of_each.chunks_exact(self.of_each.len() / (self.layers.first / TOGETHER));
-        for ((out, own), (weights, place)) in groups.zip(of_each.zip(places)) {
-            *out = layer(self.first, &weighted(products, *own, weights, hints), place);
-        }
-        let numbers = &numbers[..self.layers.first / 2];
-        let mut score = NONE;
-        let ends = self.offsets.as_chunks().0.iter().zip(self.last.as_chunks::<TOGETHER>().0);
-        for (weights, (offsets, last)) in self.weights.chunks_exact(numbers.len()).zip(ends) {
-            let sums = weighted(products, [Line([0; LANES]); TOGETHER], weights, numbers);
-            let offsets: &[i32; TOGETHER] = offsets;
-            for t in 0..TOGETHER {
-                for l in 0..LANES {
-                    let sum = sums[t][l] + offsets[t];
-                    let positive = if sum > 0 { sum } else { 0 };
-                    score[l] += last[t] * positive as f32;
-                }
+        for (group, (weights, own)) in of_each.zip(own).enumerate() {
+            let mut sums = [*own; 2];
+            products.add_to_both(&mut sums, weights, hints.map(|hints| &hints[..]));
+            for i in 0..2 {
+                let numbers = numbers[i].as_chunks_mut::<{ TOGETHER / 2 }>().0;
+                numbers[group] = layer(self.first, &sums[i], &places[i][group]);
             }
         }
-        score
+        let numbers = numbers.each_ref().map(|numbers| &numbers[..self.layers.first / 2]);
+        let mut both = [NONE; 2];
+        let ends = self.offsets.as_chunks().0.iter().zip(self.last.as_chunks().0);
+        for (weights, (offsets, last)) in self.weights.chunks_exact(numbers[0].len()).zip(ends) {
+            let mut sums = [[Line([0; LANES]); TOGETHER]; 2];
+            products.add_to_both(&mut sums, weights, numbers);
+            for (score, sums) in both.iter_mut().zip(&sums) {
+                add_scores(score, sums, offsets, last);
+            }
+        }
+        scores[k..][..2].copy_from_slice(&both);
+    }
+}
+
+/// Adds to scores what the sums of the second layer say.
+#[inline(always)]
+fn add_scores(
+    scores: &mut Lanes,
+    sums: &[Sums; TOGETHER],
+    offsets: &[i32; TOGETHER],
+    weights: &[f32; TOGETHER],
+) {
+    for t in 0..TOGETHER {
+        for l in 0..LANES {
+            let sum = sums[t][l] + offsets[t];
+            let positive = if sum > 0 { sum } else { 0 };
+            scores[l] += weights[t] * positive as f32;
+        }
     }
 }
 
@@ -382,12 +384,15 @@ mod tests {
                 mind.hear(products, k);
             }
             judge.look(products, &block.of_pixel, &mut mind);
-            for (k, hints) in hints.iter().enumerate() {
-                judge.score_heard(products, k, &mut mind);
-                let heard = mind.scores[k];
-                mind.hints = *hints;
-                judge.score(products, k, &mut mind);
-                assert_eq!(heard, mind.scores[k]);
+            for (i, hints) in hints.as_chunks::<2>().0.iter().enumerate() {
+                judge.score(products, 2 * i, 2 * i, &mut mind);
+                let scores = mind.scores;
+                for (others, hints) in hints.iter().enumerate() {
+                    mind.hints = *hints;
+                    mind.hear(products, others);
+                }
+                judge.score(products, 2 * i, 0, &mut mind);
+                assert_eq!(scores, mind.scores, "where they were heard does not matter");
             }
             verdict(products, block, &mut mind.scores, &mut mind.odds)
         }

@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use raster::Plane;
 
-use super::block::{Block, Compared, LANES, NONE, OF_PIXEL, Scene};
+use super::block::{Block, Compared, NONE, OF_PIXEL, Scene};
 use super::hint::OF_EACH;
 use super::reach::Reach;
+use super::undecided::undecided_from;
 use super::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
 
@@ -56,12 +57,12 @@ at_every_level! {
         compared: &Compared<'_>,
         pixel: (usize, usize),
     ) -> Option<Known> {
-        let mut block = Block::default();
-        if !block.find(scene, reach, [true; LANES], pixel, 0) || !block.open[0] {
+        let (mut block, (x, y)) = (Block::default(), pixel);
+        let is_asked = undecided_from(scene, reach, pixel)[0] > 0;
+        if !is_asked || !block.find(scene, reach, &[[x as i32, y as i32]]) {
             return None;
         }
-        block.look(scene);
-        block.compare(products, 1, scene.given, compared);
+        block.compare(products, scene.given, compared);
         let mut known = Known { of_pixel: block.of_pixel.map(|of| of[0]), ..Known::default() };
         let mut hints = [NONE; OF_EACH];
         for k in 0..block.candidates() {

@@ -28,6 +28,7 @@ mod relations;
 mod rounds;
 mod slopes;
 mod strip;
+mod undecided;
 mod verdict;
 mod windows;
 
@@ -38,7 +39,7 @@ use raster::Plane;
 use rayon::prelude::*;
 
 pub(crate) use self::block::Given;
-use self::block::{Block, Compared, LANES, Scene, run};
+use self::block::{Block, Compared, LANES, Scene};
 use self::certainty::CERTAIN;
 use self::judge::{Judge, Mind};
 pub(crate) use self::jury::Jury;
@@ -47,13 +48,14 @@ pub use self::lesson::{Known, Pixel};
 use self::moved::Moved;
 use self::reach::Reach;
 pub(crate) use self::rounds::Choices;
+use self::undecided::undecided;
 use self::verdict::{Verdict, verdict};
 use self::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Products;
 use crate::profile::Work;
 
-/// So many rows are worked on together: pixels with a choice are gathered into full blocks, and the last one of
+/// So many rows are worked on together: pixels that are asked are gathered into full blocks, and the last one of
 /// a row mostly is not full.
 const TOGETHER: usize = 8;
 
@@ -65,16 +67,17 @@ pub(crate) struct Worker {
     /// Which pixels of these rows are asked, and how many of their places moved, of one row.
     marks: Vec<bool>,
     counts: Vec<u8>,
-    /// Neighbours, and those of them that a judge is asked about.
+    /// Those of them that are not settled.
+    places: Vec<undecided::Place>,
     block: Block,
-    asked: Block,
     mind: Mind,
 }
 
 impl Worker {
     /// What it takes for a map of so many columns, in images of a width.
     fn bytes(columns: usize, width: usize) -> usize {
-        size_of::<Self>() + 2 * Windows::bytes(width, TOGETHER) + (TOGETHER + 1) * columns
+        let marks = TOGETHER * (size_of::<bool>() + size_of::<undecided::Place>()) + 1;
+        size_of::<Self>() + 2 * Windows::bytes(width, TOGETHER) + marks * columns
     }
 
     /// Takes it, whether there will be rows to do or not.
@@ -83,6 +86,7 @@ impl Worker {
         self.marks.clear();
         self.marks.resize(TOGETHER * columns, true);
         self.counts.resize(columns, 0);
+        self.places.resize(TOGETHER * columns, [0; 2]);
     }
 }
 
@@ -107,7 +111,7 @@ fn choose(
     let lines = Mutex::new(rows.step_by(TOGETHER).zip(lines));
     let next = || lines.lock().expect("no worker fails while it takes rows").next();
     let chosen = workers.par_iter_mut().map(|worker| {
-        let Worker { windows, marks, counts, block, asked, mind } = worker;
+        let Worker { windows, marks, counts, places, block, mind } = worker;
         let mut chosen = 0;
         while let Some((first, (out, certainty))) = next() {
             let before = first * columns..first * columns + out.len();
@@ -126,9 +130,10 @@ fn choose(
             }
             let rows = (first, out.len() / columns);
             let compared = Compared::rows(level, scene, windows, rows, |row| wanted[row]);
-            let (judge, memory) = ((reach, judge), (&mut *block, &mut *asked, &mut *mind));
-            chosen +=
-                choose_rows(level, judge, scene, &compared, (first, marks), memory, out, certainty);
+            let count = undecided(level, scene, reach, first, marks, places);
+            let (judge, memory) = ((reach, judge), (&mut *block, &mut *mind));
+            let answer = (first, &mut *out, certainty);
+            chosen += choose_for(level, judge, scene, &compared, &places[..count], memory, answer);
         }
         chosen
     });
@@ -139,53 +144,30 @@ fn choose(
 }
 
 at_every_level! {
-    /// Lets the marked pixels of some rows choose, from row `first` on; how many had a choice.
-    fn choose_rows[products](
+    /// Lets these pixels choose, into some rows of disparities and of certainty, of which the first one is told; how
+    /// many had a choice.
+    fn choose_for[products](
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
-        rows: (usize, &[bool]),
-        memory: (&mut Block, &mut Block, &mut Mind),
-        out: &mut [f32],
-        certainty: &mut [u8],
+        pixels: &[undecided::Place],
+        memory: (&mut Block, &mut Mind),
+        answer: (usize, &mut [f32], &mut [u8]),
     ) -> usize {
-        let ((reach, judge), (block, asked, mind), (first, marks)) = (judge, memory, rows);
+        let ((reach, judge), (block, mind), (first, out, certainty)) = (judge, memory, answer);
         let columns = scene.values.columns();
-        let (mut chosen, mut waiting) = (0, 0);
-        for (row, marks) in marks.chunks_exact(columns).enumerate() {
-            for x in (0..columns).step_by(LANES) {
-                let marked = run(marks, x as i64);
-                if block.find(scene, reach, marked, (x, first + row), row) {
-                    block.look(scene);
-                }
-                let last = x + LANES >= columns && (row + 1) * columns == out.len();
-                let mut next = 0;
-                loop {
-                    let (ready, count) = if next == 0 && block.open == [true; LANES] {
-                        next = LANES;
-                        (&mut *block, LANES)
-                    } else {
-                        // Mostly few of a block have a choice: they wait until there is a full block of them.
-                        while next < LANES && waiting < LANES {
-                            if block.open[next] {
-                                asked.take(waiting, block, next);
-                                waiting += 1;
-                            }
-                            next += 1;
-                        }
-                        let enough = waiting == LANES || (last && next == LANES);
-                        if waiting == 0 || !enough {
-                            break;
-                        }
-                        (&mut *asked, std::mem::take(&mut waiting))
-                    };
-                    let verdict = decide(products, judge, scene.given, compared, ready, mind, count);
-                    for l in 0..count {
-                        let pixel = ready.rows[l] * columns + ready.columns[l];
-                        out[pixel] = verdict.disparity[l];
-                        certainty[pixel] = certainty::byte(verdict.certainty[l]);
-                    }
-                    chosen += count;
+        let mut chosen = 0;
+        for pixels in pixels.chunks(LANES) {
+            if !block.find(scene, reach, pixels) {
+                continue;
+            }
+            let verdict = decide(products, judge, scene.given, compared, block, mind);
+            for (l, &[column, row]) in pixels.iter().enumerate() {
+                if block.open[l] {
+                    let pixel = (row as usize - first) * columns + column as usize;
+                    out[pixel] = verdict.disparity[l];
+                    certainty[pixel] = certainty::byte(verdict.certainty[l]);
+                    chosen += 1;
                 }
             }
         }
@@ -193,7 +175,7 @@ at_every_level! {
     }
 }
 
-/// What a judge says of the first of `asked`, so many; the others are of no interest.
+/// What a judge says of pixels.
 #[inline(always)]
 fn decide(
     products: impl Products,
@@ -202,9 +184,8 @@ fn decide(
     compared: &Compared<'_>,
     asked: &mut Block,
     mind: &mut Mind,
-    count: usize,
 ) -> Verdict {
-    asked.compare(products, count, given, compared);
+    asked.compare(products, given, compared);
     // Where nobody has to hear all candidates first, hints are used before they leave the nearest cache.
     if judge.has_context() {
         for k in 0..asked.candidates() {
@@ -212,14 +193,17 @@ fn decide(
             mind.hear(products, k);
         }
         judge.look(products, &asked.of_pixel, mind);
-        for k in 0..asked.candidates() {
-            judge.score_heard(products, k, mind);
+        for k in (0..asked.candidates()).step_by(2) {
+            judge.score(products, k, k, mind);
         }
     } else {
         judge.look(products, &asked.of_pixel, mind);
-        for k in 0..asked.candidates() {
-            asked.hints(k, &mut mind.hints);
-            judge.score(products, k, mind);
+        for k in (0..asked.candidates()).step_by(2) {
+            for i in 0..2 {
+                asked.hints(k + i, &mut mind.hints);
+                mind.hear(products, i);
+            }
+            judge.score(products, k, 0, mind);
         }
     }
     let Mind { scores, odds, .. } = mind;
@@ -231,6 +215,7 @@ mod tests {
     use raster::Reason;
 
     use super::judge::Layers;
+    use super::notes::Sources;
     use super::reach::{NARROW, WIDE};
     use super::strip::Strip;
     use super::*;
@@ -296,6 +281,11 @@ mod tests {
             let given = self.given();
             strip.look(level, &given, reach, self.values.size(), &(0..self.values.rows()));
             strip.know(level, &given, slopes_of, &self.certainty, &self.reasons);
+            let Strip { slopes, grey, edges, notes, .. } = &mut strip;
+            let (values, certainty, reasons) = (&self.values, &self.certainty, &self.reasons);
+            let doubtful = &self.doubtful;
+            let sources = Sources { values, certainty, reasons, doubtful, grey, slopes, edges };
+            notes.take(level, 0, sources);
             self.strip = strip;
         }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::block::Given;
 use super::edges::Edges;
 use super::looks::Looks;
-use super::notes::Notes;
+use super::notes::{Notes, Sources};
 use super::reach::Reach;
 use super::slopes::Slopes;
 use super::windows::rows_apart;
@@ -105,9 +105,16 @@ impl Strip {
         reasons: &Plane<Reason>,
     ) -> Work {
         let rows = self.top..self.top + self.grey.rows();
-        let Self { top, every, slopes, grey, notes, .. } = self;
-        slopes.compute(level, values, *every, rows)
-            + notes.take(level, *top, grey, certainty, reasons, given.doubtful)
+        let Self { top, every, slopes, grey, edges, notes, .. } = self;
+        let done = slopes.compute(level, values, *every, rows);
+        let doubtful = given.doubtful;
+        let sources = Sources { values, certainty, reasons, doubtful, grey, slopes, edges };
+        done + notes.take(level, *top, sources)
+    }
+
+    /// The row of the map at which it begins.
+    pub fn top(&self) -> usize {
+        self.top
     }
 
     /// Where row `y` of the map lies in it.
@@ -124,6 +131,8 @@ impl Strip {
 
 #[cfg(test)]
 mod tests {
+    use super::super::block::LANES;
+    use super::super::notes::{Mark, Words};
     use super::super::reach::{NARROW, WIDE};
     use super::*;
     use crate::chance::Chance;
@@ -164,7 +173,20 @@ mod tests {
             let grey =
                 Plane::from_fn(columns, rows, |x, y| left.row(TOP + every * y)[3 + every * x]);
             edges.compute(level, &grey);
-            notes.take(level, 0, &grey, &certainty, &reasons, given.doubtful);
+            let sources = Sources {
+                values: &values,
+                certainty: &certainty,
+                reasons: &reasons,
+                doubtful: given.doubtful,
+                grey: &grey,
+                slopes: &slopes,
+                edges: &edges,
+            };
+            notes.take(level, 0, sources);
+            let marks = |notes: &Notes, y: usize| -> Vec<Mark> {
+                let row = &notes.samples()[y * columns..][..columns];
+                row.iter().map(|&note| Words::of(&[note; LANES]).mark(0)).collect()
+            };
             let mut strip = Strip::default();
             let mut seen = 0;
             for rows_of_strip in Strip::all(rows) {
@@ -177,7 +199,7 @@ mod tests {
                 for y in reached {
                     let row = strip.row(y);
                     assert_eq!(strip.slopes.row(row), slopes.row(y));
-                    assert_eq!(strip.notes.row(row), notes.row(y));
+                    assert_eq!(marks(&strip.notes, row), marks(&notes, y));
                     assert_eq!(strip.base.row(row), looks[0].row(y));
                     assert_eq!(strip.other.row(row), looks[1].row(y));
                     assert_eq!(strip.grey.row(row), grey.row(y));

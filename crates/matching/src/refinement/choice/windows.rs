@@ -58,11 +58,11 @@ pub(super) struct Fits {
 }
 
 impl Several {
-    /// The windows at these columns.
+    /// The windows at these places.
     #[inline(always)]
-    pub fn take(&mut self, windows: &[Window], columns: &[usize; LANES]) {
+    pub fn take(&mut self, windows: &[Window], places: &[u32; LANES]) {
         for l in 0..LANES {
-            let window = &windows[columns[l]];
+            let window = &windows[places[l] as usize];
             self.census[l] = window.census;
             self.own_and_steps[l] = window.own_and_steps.to_le_bytes();
         }
@@ -237,8 +237,8 @@ mod tests {
                 let places = [(); 2].map(|()| {
                     std::array::from_fn(|l| match l {
                         0 => 0,
-                        1 => columns - 1,
-                        _ => (chance.share() * columns as f32) as usize,
+                        1 => columns as u32 - 1,
+                        _ => chance.below(columns as u32),
                     })
                 });
                 let mut several = [Several::default(); 2];
@@ -249,7 +249,7 @@ mod tests {
                 let count = LANES - y;
                 let (fits, textures) = fits(level, &base, &other, count);
                 for l in 0..count {
-                    let [x, there] = places.map(|places| places[l]);
+                    let [x, there] = places.map(|places: [u32; LANES]| places[l] as usize);
                     let (mut bits, mut here, mut steps, mut texture) = (0, 0, 0, 0);
                     for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
                         let of = |place: usize, by: i64, end: usize| {
