@@ -369,7 +369,7 @@ pub(crate) mod tests {
                 stage.expect("balanced has it").operations
             })
         };
-        let ([whole, features], [bands, same]) = (operations(None), operations(Some(650_000)));
+        let ([whole, features], [bands, same]) = (operations(None), operations(Some(630_000)));
         assert!(whole < bands && bands < 2 * whole, "{whole}, {bands}");
         assert_eq!(features, same);
     }

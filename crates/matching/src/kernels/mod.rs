@@ -1,5 +1,5 @@
 //! What must be quick. One file per kernel: the scalar definition, the body that the compiler
-//! vectorises (in five of them, the vectors themselves), and the test that they agree bit for bit at
+//! vectorises (in seven of them, the vectors themselves), and the test that they agree bit for bit at
 //! every level of the processor.
 
 pub(crate) mod ahead;
@@ -14,6 +14,8 @@ pub(crate) mod median;
 pub(crate) mod nearness;
 pub(crate) mod path;
 pub(crate) mod products;
+pub(crate) mod records;
 pub(crate) mod rounding;
 pub(crate) mod sad;
 pub(crate) mod stripes;
+pub(crate) mod unlike;

@@ -18,7 +18,9 @@ use super::aligned::Line;
 use super::bits::Bits;
 use super::look_up::LookUp;
 use super::nearness::Nearness;
+use super::records::Records;
 use super::rounding::nearest;
+use super::unlike::Unlike;
 
 /// Sums that are kept together.
 pub(crate) const LANES: usize = 16;
@@ -113,7 +115,7 @@ pub(crate) type Sums = Line<[i32; LANES]>;
 pub(crate) type Lanes = Line<[f32; LANES]>;
 
 /// What adds pairs of products at one level.
-pub(crate) trait Products: Bits + LookUp + Nearness {
+pub(crate) trait Products: Bits + LookUp + Nearness + Records + Unlike {
     /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be; in
     /// lanes that nobody reads it may be NaN.
     fn pairs(self, numbers: &[Lanes; 2]) -> Sums;

@@ -4,22 +4,20 @@
 //! rows are worked on together, those that are asked and no others. Where not all pixels are matched, maps hold those
 //! that are.
 
-use std::ops::Range;
-
 use raster::{Plane, Reason, View};
 
-use super::edges::WAYS;
 use super::hint::{self, Hints};
-use super::notes::{Mark, Note, Words};
+use super::notes::{Mark, Words};
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, SAME, in_turns};
 use super::slopes::{rise, steep};
 use super::strip::Strip;
 use super::undecided;
-use super::windows::{BITS, Fits, STEPS, Several, Window, Windows};
+use super::windows::{BITS, Fits, STEPS, Several, Windows};
 use crate::kernels::aligned::Line;
 use crate::kernels::level::Level;
 use crate::kernels::products::{Lanes, Numbers, Products, Sums};
+use crate::kernels::records::{Places, Record};
 use crate::kernels::rounding::nearest;
 
 /// Pixels that are worked on together.
@@ -63,8 +61,8 @@ pub(super) struct Compared<'a> {
     width: usize,
     /// A column of the map is every so many-th one of these.
     every: usize,
-    pub base: &'a [Window],
-    pub other: &'a [Window],
+    pub base: &'a [Record],
+    pub other: &'a [Record],
     /// The disparities of the right view, in a mirror.
     pub right: &'a [f32],
 }
@@ -104,15 +102,10 @@ pub(super) struct Block {
     pub inside: [Lanes; MOST],
     steep: [Lanes; MOST],
     marks: [[Mark; LANES]; MOST],
-    notes: [[Note; LANES]; MOST],
-    /// Of those that diagonals lead to, the sums of the steps before them; of the pixels those of both diagonals.
-    sums: [[u16; LANES]; MOST],
-    sums_here: [[u16; LANES]; 2],
     /// How the candidates lie to each other.
     pub relations: Relations,
     /// How far they are to be heard, two after the other.
     heard: [[Numbers; KINDS_OF_VOTES]; MOST / 2],
-    votes: [[Sums; KINDS_OF_VOTES]; MOST],
     /// What makes votes shares.
     scales: [Lanes; KINDS_OF_VOTES],
     here: Lanes,
@@ -121,17 +114,9 @@ pub(super) struct Block {
     /// Confidence; whether occluded, mismatched, outside the right image, in doubt; texture.
     pub of_pixel: [Lanes; OF_PIXEL],
     windows: Several,
-    /// Where candidates meet the other image: the windows there, what the right view says, whether it lies outside.
-    met: [Several; MOST],
-    right: [Lanes; MOST],
-    outside: [Lanes; MOST],
-    /// How many of the pixels are of interest.
-    count: usize,
     /// Where the pixels lie in the map.
     columns: Line<[i32; LANES]>,
     rows: Line<[i32; LANES]>,
-    /// Whether they lie side by side in a row: then so do their candidates' places.
-    side_by_side: bool,
     /// Their columns in the image, and where the rows begin that they are compared with.
     image_columns: Line<[i32; LANES]>,
     begins: Line<[i32; LANES]>,
@@ -144,8 +129,7 @@ pub(super) struct Block {
 const HEARD: f32 = 16384.0;
 /// How candidates are counted that say the same: all alike, by shade, by confidence, by edges.
 const KINDS_OF_VOTES: usize = 4;
-/// The ways whose sums are not in the notes.
-const DIAGONALS: Range<usize> = 2..WAYS;
+type Votes = [Sums; KINDS_OF_VOTES];
 
 pub(super) const NONE: Lanes = Line([0.0; LANES]);
 
@@ -165,80 +149,41 @@ impl Block {
         self.places.len()
     }
 
-    /// Finds the candidates of some pixels, and says whether any has a choice. All notes are taken before anything
-    /// is made of them: what was just written in parts cannot be read as a whole for a while.
+    /// Finds the candidates of some pixels, and says whether any has a choice.
     #[inline(always)]
-    pub fn find(&mut self, scene: &Scene<'_>, reach: &Reach, pixels: &[undecided::Place]) -> bool {
-        (self.count, self.places) = (pixels.len(), reach.places);
+    pub fn find(
+        &mut self,
+        products: impl Products,
+        scene: &Scene<'_>,
+        reach: &Reach,
+        pixels: &[undecided::Place],
+    ) -> bool {
+        self.places = reach.places;
         for l in 0..LANES {
             let [column, row] = pixels[if l < pixels.len() { l } else { 0 }];
             (self.columns[l], self.rows[l]) = (column, row);
         }
-        // They come in order, row by row.
-        let last = LANES - 1;
-        self.side_by_side =
-            self.rows[0] == self.rows[last] && self.columns[last] - self.columns[0] == last as i32;
-        for k in 0..reach.places.len() {
-            self.take(scene, k);
-        }
-        self.continue_planes(scene, reach)
-    }
-
-    /// Takes the notes of where candidate `k` comes from. Beyond the ends of the map its rows are repeated.
-    #[inline(always)]
-    fn take(&mut self, scene: &Scene<'_>, k: usize) {
-        let (columns, rows) = scene.values.size();
-        let (columns, rows) = (columns as i32, rows as i32);
-        let (strip, place) = (scene.strip, self.places[k]);
-        let mut at = Line([0; LANES]);
-        let mut all_inside = true;
-        for l in 0..LANES {
-            let (column, row) = (self.columns[l] + place.columns, self.rows[l] + place.rows);
-            let is_in_rows = (row >= 0) & (row < rows);
-            let row = if is_in_rows { row } else { self.rows[l] };
-            let clamped = if column < 0 { 0 } else { column };
-            let clamped = if clamped < columns { clamped } else { columns - 1 };
-            let is_inside = is_in_rows & (clamped == column);
-            all_inside &= is_inside;
-            self.inside[k][l] = share(is_inside);
-            at[l] = ((row - strip.top() as i32) * columns + clamped) as u32;
-        }
-        let notes = strip.notes.samples();
-        if self.side_by_side && all_inside {
-            self.notes[k].copy_from_slice(&notes[at[0] as usize..][..LANES]);
-        } else {
-            for l in 0..LANES {
-                self.notes[k][l] = notes[at[l] as usize];
-            }
-        }
-        if k == 0 {
-            for (sums_here, way) in self.sums_here.iter_mut().zip(DIAGONALS) {
-                let sums = strip.edges.samples(way);
-                for l in 0..LANES {
-                    sums_here[l] = sums[at[l] as usize];
-                }
-            }
-        } else if DIAGONALS.contains(&place.way) {
-            let sums = strip.edges.samples(place.way);
-            for l in 0..LANES {
-                self.sums[k][l] = sums[at[l] as usize];
-            }
-        }
-    }
-
-    /// Continues the planes of all candidates to where the pixels lie, and says what is seen of where they come from;
-    /// returns whether any pixel has a choice.
-    #[inline(always)]
-    fn continue_planes(&mut self, scene: &Scene<'_>, reach: &Reach) -> bool {
+        let Strip { notes, edges, .. } = scene.strip;
         let (least, most) = (scene.given.least, scene.given.most);
-        let own = Words::of(&self.notes[0]);
-        self.here = own.disparities;
-        let here = self.here;
+        // The first candidate is the pixel's own.
+        let at_own = self.see(scene, 0);
+        let own = Words::of(products, notes.samples(), &at_own);
+        let here = own.disparities;
+        let sums_here = [
+            own.sums(true),
+            own.sums(false),
+            *products.samples(edges.samples(2), &at_own),
+            *products.samples(edges.samples(3), &at_own),
+        ];
         let (mut smallest, mut largest) = (here, here);
         for (k, place) in reach.places.iter().enumerate() {
-            let words = Words::of(&self.notes[k]);
-            let way = place.pixels(reach.every);
-            let inside = &self.inside[k];
+            let at = self.see(scene, k);
+            let words = Words::of(products, notes.samples(), &at);
+            let sums = match place.way {
+                way @ ..2 => words.sums(way == 0),
+                way => *products.samples(edges.samples(way), &at),
+            };
+            let (way, inside) = (place.pixels(reach.every), &self.inside[k]);
             for l in 0..LANES {
                 let d = words.disparities[l] - rise(words.slope(l), way);
                 let d = if inside[l] > 0.0 { d } else { here[l] };
@@ -249,17 +194,14 @@ impl Block {
                 smallest[l] = if d < smallest[l] { d } else { smallest[l] };
                 largest[l] = if d > largest[l] { d } else { largest[l] };
             }
-            let [sums_here, sums] = match place.way {
-                way @ ..2 => [&own, &words].map(|words| words.sums(way == 0)),
-                way => [self.sums_here[way - 2], self.sums[k]],
-            };
+            let sums_here = &sums_here[place.way];
             for l in 0..LANES {
                 let edges = (sums_here[l].wrapping_sub(sums[l]) as i16).unsigned_abs();
                 self.marks[k][l] = words.mark(l).seen(own.mark(l).grey(), edges);
             }
         }
-        (self.smallest, self.largest) = (smallest, largest);
-        self.know_pixels(scene);
+        (self.here, self.smallest, self.largest) = (here, smallest, largest);
+        self.know_pixels(products, scene);
         let mut any = false;
         for l in 0..LANES {
             self.open[l] = largest[l] - smallest[l] > reach.choice;
@@ -268,15 +210,34 @@ impl Block {
         any
     }
 
+    /// Where the notes of candidate `k` lie. Beyond the ends of the map its rows are repeated.
+    #[inline(always)]
+    fn see(&mut self, scene: &Scene<'_>, k: usize) -> Places {
+        let (columns, rows) = scene.values.size();
+        let (columns, rows) = (columns as i32, rows as i32);
+        let (top, place) = (scene.strip.top() as i32, self.places[k]);
+        let mut at = Line([0; LANES]);
+        for l in 0..LANES {
+            let (column, row) = (self.columns[l] + place.columns, self.rows[l] + place.rows);
+            let is_in_rows = (row >= 0) & (row < rows);
+            let row = if is_in_rows { row } else { self.rows[l] };
+            let clamped = if column < 0 { 0 } else { column };
+            let clamped = if clamped < columns { clamped } else { columns - 1 };
+            self.inside[k][l] = share(is_in_rows & (clamped == column));
+            at[l] = ((row - top) * columns + clamped) as u32;
+        }
+        at
+    }
+
     /// What is known of the pixels, but for their texture.
     #[inline(always)]
-    fn know_pixels(&mut self, scene: &Scene<'_>) {
+    fn know_pixels(&mut self, products: impl Products, scene: &Scene<'_>) {
         let columns = scene.values.columns() as i32;
-        let mut reasons = [Reason::Matched; LANES];
+        let mut at = Line([0; LANES]);
         for l in 0..LANES {
-            let pixel = self.rows[l] * columns + self.columns[l];
-            reasons[l] = scene.reasons.samples()[pixel as usize];
+            at[l] = (self.rows[l] * columns + self.columns[l]) as u32;
         }
+        let reasons = products.samples(scene.reasons.samples(), &at);
         for l in 0..LANES {
             self.of_pixel[0][l] = self.marks[0][l].confidence();
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);
@@ -296,47 +257,20 @@ impl Block {
             self.begins[l] = compared.width as i32 * (self.rows[l] - compared.first as i32);
             at[l] = (self.begins[l] + column) as u32;
         }
-        self.windows.take(compared.base, &at);
-        let textures = self.windows.textures();
+        self.windows = Several::at(products, compared.base, &at);
+        let textures = self.windows.textures(products);
         for l in 0..LANES {
-            self.of_pixel[5][l] = textures[l] * (1.0 / (10 * STEPS) as f32);
-        }
-        for k in 0..self.places.len() {
-            self.meet(compared, k);
+            self.of_pixel[5][l] = textures[l] as f32 * (1.0 / (10 * STEPS) as f32);
         }
         self.relations.find(&self.disparities[..self.places.len()], &self.here);
-        self.count_votes(products);
+        self.weigh();
     }
 
-    /// Looks at where candidate `k` meets the other image. All candidates do that before anything is made of it:
-    /// what was just written in parts cannot be read as a whole for a while.
+    /// Weighs all candidates by how far they are to be heard.
     #[inline(always)]
-    fn meet(&mut self, compared: &Compared<'_>, k: usize) {
-        let disparities = &self.disparities[k];
-        let last = compared.width as i32 - 1;
-        let (mut at, mut mirrored) = (Line([0; LANES]), Line([0; LANES]));
-        let mut outside = NONE;
-        for l in 0..LANES {
-            let column = self.image_columns[l] - nearest(disparities[l]);
-            let clamped = if column < 0 { 0 } else { column };
-            let clamped = if clamped > last { last } else { clamped };
-            outside[l] = share(clamped != column);
-            at[l] = (self.begins[l] + clamped) as u32;
-            mirrored[l] = (self.begins[l] + (last - clamped)) as u32;
-        }
-        self.outside[k] = outside;
-        self.met[k].take(compared.other, &at);
-        for l in 0..LANES {
-            self.right[k][l] = compared.right[mirrored[l] as usize];
-        }
-    }
-
-    /// Counts the candidates that say the same, each weighed by how far it is to be heard.
-    #[inline(always)]
-    fn count_votes(&mut self, products: impl Products) {
-        let n = self.places.len();
+    fn weigh(&mut self) {
         let mut all = [Line([0; LANES]); KINDS_OF_VOTES];
-        for i in 0..n / 2 {
+        for i in 0..self.places.len() / 2 {
             let (one, other) = (self.weights(2 * i), self.weights(2 * i + 1));
             for vote in 0..KINDS_OF_VOTES {
                 self.heard[i][vote] = in_turns(&one[vote], &other[vote]);
@@ -345,10 +279,6 @@ impl Block {
                 }
             }
         }
-        for (i, votes) in self.votes.as_chunks_mut::<2>().0[..n / 2].iter_mut().enumerate() {
-            let [one, two] = self.relations.of(products, i);
-            *votes = products.near([&one, &two], SAME, self.relations.pairs(), &self.heard);
-        }
         for (scale, all) in self.scales.iter_mut().zip(&all) {
             for l in 0..LANES {
                 scale[l] = 3.0 / all[l] as f32;
@@ -356,9 +286,16 @@ impl Block {
         }
     }
 
+    /// The candidates that say the same as a pair of them, each by its weight.
+    #[inline(always)]
+    pub fn votes(&self, products: impl Products, pair: usize) -> [Votes; 2] {
+        let [one, two] = self.relations.of(products, pair);
+        products.near([&one, &two], SAME, self.relations.pairs(), &self.heard)
+    }
+
     /// How far candidate `k` is to be heard by each kind of vote, in parts of [`HEARD`].
     #[inline(always)]
-    fn weights(&self, k: usize) -> [Sums; KINDS_OF_VOTES] {
+    fn weights(&self, k: usize) -> Votes {
         let mut weights = [Line([0; LANES]); KINDS_OF_VOTES];
         for l in 0..LANES {
             let inside = self.inside[k][l] * HEARD;
@@ -375,19 +312,39 @@ impl Block {
         weights
     }
 
-    /// Writes what is known of candidate `k`: to make hints anew each time, they would be cleared before.
+    /// Writes what is known of candidate `k`, which got these votes: to make hints anew each time, they would be
+    /// cleared before.
     #[inline(always)]
-    pub fn hints(&self, k: usize, hints: &mut Hints) {
+    pub fn hints(
+        &self,
+        products: impl Products,
+        compared: &Compared<'_>,
+        k: usize,
+        votes: &Votes,
+        hints: &mut Hints,
+    ) {
         let disparities = &self.disparities[k];
-        let (right, outside) = (&self.right[k], &self.outside[k]);
-        let Fits { bits, bits_here, steps } = self.windows.fit(&self.met[k], self.count);
+        // Where it meets the other image.
+        let last = compared.width as i32 - 1;
+        let (mut at, mut mirrored, mut outside) = (Line([0; LANES]), Line([0; LANES]), NONE);
+        for l in 0..LANES {
+            let column = self.image_columns[l] - nearest(disparities[l]);
+            let clamped = if column < 0 { 0 } else { column };
+            let clamped = if clamped > last { last } else { clamped };
+            outside[l] = share(clamped != column);
+            at[l] = (self.begins[l] + clamped) as u32;
+            mirrored[l] = (self.begins[l] + (last - clamped)) as u32;
+        }
+        let right = products.samples(compared.right, &mirrored);
+        let met = Several::at(products, compared.other, &at);
+        let Fits { bits, bits_here, steps } = self.windows.fit(products, &met);
         for l in 0..LANES {
             let apart = disparities[l] - self.here[l];
             hints[hint::APART][l] = bent(apart);
             hints[hint::FAR][l] = bent(apart).abs();
-            hints[hint::CENSUS][l] = bits[l] * (2.0 / BITS as f32);
-            hints[hint::GREY_STEPS][l] = steps[l] * (1.0 / (10 * STEPS) as f32);
-            hints[hint::CENSUS_HERE][l] = bits_here[l] * 0.25;
+            hints[hint::CENSUS][l] = bits[l] as f32 * (2.0 / BITS as f32);
+            hints[hint::GREY_STEPS][l] = steps[l] as f32 * (1.0 / (10 * STEPS) as f32);
+            hints[hint::CENSUS_HERE][l] = bits_here[l] as f32 * 0.25;
             let off = if outside[l] > 0.0 { 0.0 } else { right[l] - disparities[l] };
             hints[hint::RIGHT_APART][l] = bent(off);
             hints[hint::RIGHT_FAR][l] = bent(off).abs();
@@ -400,12 +357,12 @@ impl Block {
             hints[hint::DOUBT][l] = mark.doubt();
             hints[hint::SHADE][l] = mark.shade();
             hints[hint::CHANGES][l] = changes(mark);
-            hints[hint::VOTES][l] = self.votes[k][0][l] as f32 * self.scales[0][l];
-            hints[hint::VOTES_OF_SHADE][l] = self.votes[k][1][l] as f32 * self.scales[1][l];
-            hints[hint::VOTES_OF_CONFIDENT][l] = self.votes[k][2][l] as f32 * self.scales[2][l];
-            hints[hint::VOTES_WITHOUT_EDGE][l] = self.votes[k][3][l] as f32 * self.scales[3][l];
+            hints[hint::VOTES][l] = votes[0][l] as f32 * self.scales[0][l];
+            hints[hint::VOTES_OF_SHADE][l] = votes[1][l] as f32 * self.scales[1][l];
+            hints[hint::VOTES_OF_CONFIDENT][l] = votes[2][l] as f32 * self.scales[2][l];
+            hints[hint::VOTES_WITHOUT_EDGE][l] = votes[3][l] as f32 * self.scales[3][l];
         }
-        hints[hint::OUTSIDE] = *outside;
+        hints[hint::OUTSIDE] = outside;
     }
 }
 

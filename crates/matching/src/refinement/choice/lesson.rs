@@ -59,7 +59,7 @@ at_every_level! {
     ) -> Option<Known> {
         let (mut block, (x, y)) = (Block::default(), pixel);
         let is_asked = undecided_from(scene, reach, pixel)[0] > 0;
-        if !is_asked || !block.find(scene, reach, &[[x as i32, y as i32]]) {
+        if !is_asked || !block.find(products, scene, reach, &[[x as i32, y as i32]]) {
             return None;
         }
         block.compare(products, scene.given, compared);
@@ -68,7 +68,8 @@ at_every_level! {
         for k in 0..block.candidates() {
             known.disparities.push(block.disparities[k][0]);
             known.inside.push(block.inside[k][0] > 0.0);
-            block.hints(k, &mut hints);
+            let votes = block.votes(products, k / 2);
+            block.hints(products, compared, k, &votes[k % 2], &mut hints);
             for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
                 of_each.push(hint[0]);
             }

@@ -158,7 +158,7 @@ at_every_level! {
         let columns = scene.values.columns();
         let mut chosen = 0;
         for pixels in pixels.chunks(LANES) {
-            if !block.find(scene, reach, pixels) {
+            if !block.find(products, scene, reach, pixels) {
                 continue;
             }
             let verdict = decide(products, judge, scene.given, compared, block, mind);
@@ -186,28 +186,42 @@ fn decide(
     mind: &mut Mind,
 ) -> Verdict {
     asked.compare(products, given, compared);
+    let pairs = asked.candidates() / 2;
     // Where nobody has to hear all candidates first, hints are used before they leave the nearest cache.
     if judge.has_context() {
-        for k in 0..asked.candidates() {
-            asked.hints(k, &mut mind.hints);
-            mind.hear(products, k);
+        for pair in 0..pairs {
+            hear(products, asked, compared, pair, 2 * pair, mind);
         }
         judge.look(products, &asked.of_pixel, mind);
-        for k in (0..asked.candidates()).step_by(2) {
-            judge.score(products, k, k, mind);
+        for pair in 0..pairs {
+            judge.score(products, 2 * pair, 2 * pair, mind);
         }
     } else {
         judge.look(products, &asked.of_pixel, mind);
-        for k in (0..asked.candidates()).step_by(2) {
-            for i in 0..2 {
-                asked.hints(k + i, &mut mind.hints);
-                mind.hear(products, i);
-            }
-            judge.score(products, k, 0, mind);
+        for pair in 0..pairs {
+            hear(products, asked, compared, pair, 0, mind);
+            judge.score(products, 2 * pair, 0, mind);
         }
     }
     let Mind { scores, odds, .. } = mind;
     verdict(products, asked, scores, odds)
+}
+
+/// Lets the mind hear of a pair of candidates, after so many others.
+#[inline(always)]
+fn hear(
+    products: impl Products,
+    asked: &Block,
+    compared: &Compared<'_>,
+    pair: usize,
+    others: usize,
+    mind: &mut Mind,
+) {
+    let votes = asked.votes(products, pair);
+    for i in 0..2 {
+        asked.hints(products, compared, 2 * pair + i, &votes[i], &mut mind.hints);
+        mind.hear(products, others + i);
+    }
 }
 
 #[cfg(test)]

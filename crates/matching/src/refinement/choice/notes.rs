@@ -11,15 +11,19 @@ use super::slopes::{Slope, Slopes};
 use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Lanes;
+use crate::kernels::records::{Places, Record, Records};
 use crate::profile::Work;
 
 /// A word each of the disparity of a pixel, of the slopes there, of its [mark](Mark), and of the sums of the steps
 /// before it along its row and its column.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[repr(C, align(16))]
-pub(crate) struct Note([u32; 4]);
+#[inline(always)]
+fn note(disparity: f32, slope: Slope, mark: Mark, sums: [u16; 2]) -> Record {
+    let both = |one: u32, other: u32| u64::from(one) | u64::from(other) << 32;
+    let slope = word(slope.map(|slope| slope as u16));
+    Record([both(disparity.to_bits(), slope), both(mark.0, word(sums))])
+}
 
-/// The notes of pixels, word by word.
+/// The notes of some pixels, word by word.
 pub(super) struct Words {
     pub disparities: Lanes,
     slopes: Line<[u32; LANES]>,
@@ -28,11 +32,11 @@ pub(super) struct Words {
 }
 
 impl Words {
+    /// Those that lie at some places.
     #[inline(always)]
-    pub fn of(notes: &[Note; LANES]) -> Self {
-        let word = |i: usize| Line(notes.map(|note| note.0[i]));
-        let disparities = Line(word(0).map(f32::from_bits));
-        Self { disparities, slopes: word(1), marks: word(2), sums: word(3) }
+    pub fn of(records: impl Records, notes: &[Record], places: &Places) -> Self {
+        let [disparities, slopes, marks, sums] = records.fourths(notes, places);
+        Self { disparities: Line(disparities.map(f32::from_bits)), slopes, marks, sums }
     }
 
     #[inline(always)]
@@ -134,19 +138,19 @@ pub(crate) struct Sources<'a> {
 
 /// A note of every pixel of some rows of a map.
 #[derive(Default)]
-pub(crate) struct Notes(Plane<Note>);
+pub(crate) struct Notes(Plane<Record>);
 
 impl Notes {
     /// What they take for so many pixels.
     pub fn bytes(pixels: usize) -> usize {
-        size_of::<Note>() * pixels
+        size_of::<Record>() * pixels
     }
 
     /// Notes what is known of the rows from `top` on.
     pub fn take(&mut self, level: Level, top: usize, sources: Sources<'_>) -> Work {
         let Sources { values, certainty, reasons, doubtful, grey, slopes, edges } = sources;
         let (columns, rows) = grey.size();
-        self.0.reshape(columns, rows, Note::default());
+        self.0.reshape(columns, rows, Record::default());
         let notes = self.0.samples_mut().par_chunks_mut(columns).enumerate();
         notes.for_each(|(row, notes)| {
             let y = top + row;
@@ -157,11 +161,11 @@ impl Notes {
             notes_of_row(level, of_plane, of_mark, of_edges, notes);
         });
         let read = size_of::<f32>() + size_of::<Slope>() + 3 + 2 * size_of::<u16>();
-        Work::bytes((read + size_of::<Note>()) * columns * rows + doubtful.samples().len())
+        Work::bytes((read + size_of::<Record>()) * columns * rows + doubtful.samples().len())
     }
 
     #[inline(always)]
-    pub fn samples(&self) -> &[Note] {
+    pub fn samples(&self) -> &[Record] {
         self.0.samples()
     }
 }
@@ -172,7 +176,7 @@ at_every_level! {
         of_plane: (&[f32], &[Slope]),
         of_mark: (&[u8], &[u8], &[Reason], &[bool]),
         of_edges: [&[u16]; 2],
-        notes: &mut [Note],
+        notes: &mut [Record],
     ) {
         let columns = notes.len();
         let (values, slopes) = (&of_plane.0[..columns], &of_plane.1[..columns]);
@@ -182,11 +186,10 @@ at_every_level! {
         let [along, down] = of_edges.map(|sums| &sums[..columns]);
         for x in 0..columns {
             let mark = Mark::new(grey[x], certainty[x], reasons[x] != Reason::Matched, false);
-            let slope = word(slopes[x].map(|slope| slope as u16));
-            notes[x] = Note([values[x].to_bits(), slope, mark.0, word([along[x], down[x]])]);
+            notes[x] = note(values[x], slopes[x], mark, [along[x], down[x]]);
         }
         for (note, &doubtful) in notes.iter_mut().zip(doubtful) {
-            note.0[2] |= u32::from(doubtful) << 27;
+            note.0[1] |= u64::from(doubtful) << 27;
         }
     }
 }
@@ -195,6 +198,7 @@ at_every_level! {
 mod tests {
     use super::*;
     use crate::chance::Chance;
+    use crate::kernels::products::Plain;
 
     #[test]
     fn a_mark_says_what_was_noted_and_what_lies_between() {
@@ -240,7 +244,8 @@ mod tests {
             for (y, x) in (0..rows - top).flat_map(|y| (0..columns).map(move |x| (y, x))) {
                 let filled = reasons.row(top + y)[x] != Reason::Matched;
                 let doubtful = !doubtful.samples().is_empty() && doubtful.row(top + y)[x];
-                let words = Words::of(&[notes.samples()[y * columns + x]; LANES]);
+                let words =
+                    Words::of(Plain, notes.samples(), &Line([(y * columns + x) as u32; LANES]));
                 let l = x % LANES;
                 assert_eq!(words.disparities[l], values.row(top + y)[x]);
                 assert_eq!(words.slope(l), slopes.row(y)[x]);

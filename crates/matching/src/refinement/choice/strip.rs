@@ -136,6 +136,8 @@ mod tests {
     use super::super::reach::{NARROW, WIDE};
     use super::*;
     use crate::chance::Chance;
+    use crate::kernels::aligned::Line;
+    use crate::kernels::products::Plain;
 
     /// Rows of the images above the map.
     const TOP: usize = 7;
@@ -184,8 +186,8 @@ mod tests {
             };
             notes.take(level, 0, sources);
             let marks = |notes: &Notes, y: usize| -> Vec<Mark> {
-                let row = &notes.samples()[y * columns..][..columns];
-                row.iter().map(|&note| Words::of(&[note; LANES]).mark(0)).collect()
+                let places = (y * columns..(y + 1) * columns).map(|at| Line([at as u32; LANES]));
+                places.map(|at| Words::of(Plain, notes.samples(), &at).mark(0)).collect()
             };
             let mut strip = Strip::default();
             let mut seen = 0;

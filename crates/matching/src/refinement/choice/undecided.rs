@@ -27,8 +27,7 @@ at_every_level! {
         let mut count = 0;
         for (y, marks) in (first..).zip(marks.chunks_exact(columns)) {
             for (i, marks) in marks.chunks(TOGETHER).enumerate() {
-                let mut asked = [0; TOGETHER];
-                let mut any = 0;
+                let (mut asked, mut any) = ([0; TOGETHER], 0);
                 for (asked, &marked) in asked.iter_mut().zip(marks) {
                     *asked = u8::from(marked);
                     any |= *asked;

@@ -4,12 +4,14 @@
 //! apart, and one of its own census byte and of the grey steps of itself and the four nearest of the eight.
 //! Beyond the ends of an image its pixels are repeated.
 
-use super::block::{LANES, NONE};
+use super::block::LANES;
 use super::looks::Looks;
 use crate::cost::census_gradient::LARGEST_STEP;
 use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::products::Lanes;
+use crate::kernels::products::Sums;
+use crate::kernels::records::{Places, Record, Records};
+use crate::kernels::unlike::{Unlike, Words};
 
 /// The pixels of a window stand so far apart.
 const APART: usize = 2;
@@ -20,8 +22,6 @@ pub(super) const BITS: u32 = 9 * 8;
 /// The bits of the second word that hold the own census byte, and those that hold steps.
 const OWN_BYTE: u64 = 0xff;
 const STEP_BYTES: u64 = 0xffff_ffff_ff00;
-/// A word times this has the sum of its bytes in its highest one.
-const ONES: u64 = 0x0101_0101_0101_0101;
 /// Where a grey value does not change along its row.
 const FLAT: u8 = 128;
 /// Steps beyond this are as much texture as this.
@@ -33,87 +33,48 @@ pub(super) fn rows_apart(every: usize) -> usize {
     APART / every
 }
 
-/// What lies around a pixel.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Window {
-    census: u64,
-    own_and_steps: u64,
-}
-
-/// The windows of pixels of one row, or of their matches.
+/// The windows of pixels, or of their matches.
 #[derive(Clone, Copy, Default)]
-#[repr(C, align(64))]
 pub(super) struct Several {
-    census: [u64; LANES],
-    own_and_steps: [[u8; 8]; LANES],
+    census: Words,
+    own_and_steps: Words,
 }
 
 /// How well windows fit: numbers of bits and of grey levels.
 pub(super) struct Fits {
     /// Census bits that differ, in all and of the pixel itself.
-    pub bits: Lanes,
-    pub bits_here: Lanes,
+    pub bits: Sums,
+    pub bits_here: Sums,
     /// Differences of steps, each bounded.
-    pub steps: Lanes,
+    pub steps: Sums,
 }
 
 impl Several {
     /// The windows at these places.
     #[inline(always)]
-    pub fn take(&mut self, windows: &[Window], places: &[u32; LANES]) {
-        for l in 0..LANES {
-            let window = &windows[places[l] as usize];
-            self.census[l] = window.census;
-            self.own_and_steps[l] = window.own_and_steps.to_le_bytes();
-        }
+    pub fn at(records: impl Records, windows: &[Record], places: &Places) -> Self {
+        let [census, own_and_steps] = records.halves(windows, places);
+        Self { census, own_and_steps }
     }
 
-    /// How the first windows fit, so many: a number that the compiler does not know. If it did it would unroll
-    /// the loops first, and take half of the pixels one by one.
+    /// How they fit others.
     #[inline(always)]
-    pub fn fit(&self, other: &Self, count: usize) -> Fits {
-        let mut fits = Fits { bits: NONE, bits_here: NONE, steps: NONE };
-        let mut apart = Line([[0; 8]; LANES]);
-        let ours = self.own_and_steps[..count].as_flattened();
-        let theirs = other.own_and_steps[..count].as_flattened();
-        let steps = apart[..count].as_flattened_mut().iter_mut();
-        for (apart, (one, other)) in steps.zip(ours.iter().zip(theirs)) {
-            let step = one.abs_diff(*other);
-            *apart = if step < LARGEST_STEP { step } else { LARGEST_STEP };
+    pub fn fit(&self, unlike: impl Unlike, other: &Self) -> Fits {
+        let mut bits = unlike.bits(&self.census, &other.census, u64::MAX);
+        let bits_here = unlike.bits(&self.own_and_steps, &other.own_and_steps, OWN_BYTE);
+        for l in 0..LANES {
+            bits[l] += bits_here[l];
         }
-        for l in 0..count {
-            let around = (self.census[l] ^ other.census[l]).count_ones();
-            let ours = u64::from_le_bytes(self.own_and_steps[l]);
-            let theirs = u64::from_le_bytes(other.own_and_steps[l]);
-            let here = ((ours ^ theirs) & OWN_BYTE).count_ones();
-            fits.bits[l] = (around + here) as f32;
-            fits.bits_here[l] = here as f32;
-            fits.steps[l] = sum(apart[l]);
-        }
-        fits
+        let (ours, theirs) = (&self.own_and_steps, &other.own_and_steps);
+        Fits { bits, bits_here, steps: unlike.bytes(ours, theirs, LARGEST_STEP, STEP_BYTES) }
     }
 
     /// The sums of their grey steps, each bounded.
     #[inline(always)]
-    pub fn textures(&self) -> Lanes {
-        let mut textures = NONE;
-        for l in 0..LANES {
-            let mut steps = self.own_and_steps[l];
-            for step in &mut steps {
-                let high = step.abs_diff(FLAT);
-                *step = if high < LARGEST_TEXTURE { high } else { LARGEST_TEXTURE };
-            }
-            textures[l] = sum(steps);
-        }
-        textures
+    pub fn textures(&self, unlike: impl Unlike) -> Sums {
+        let flat = Line([u64::from_le_bytes([FLAT; 8]); LANES]);
+        unlike.bytes(&self.own_and_steps, &flat, LARGEST_TEXTURE, STEP_BYTES)
     }
-}
-
-/// The sum of the bytes that hold steps; they are small.
-#[inline(always)]
-fn sum(bytes: [u8; 8]) -> f32 {
-    let bytes = u64::from_le_bytes(bytes) & STEP_BYTES;
-    (bytes.wrapping_mul(ONES) >> 56) as u32 as f32
 }
 
 /// The windows of some rows of an image, one after the other, and the memory that it takes to find them.
@@ -121,13 +82,13 @@ fn sum(bytes: [u8; 8]) -> f32 {
 pub(super) struct Windows {
     /// Census bytes and steps of the rows above, here and below, with their ends repeated.
     rows: [[Vec<u8>; 2]; 3],
-    windows: Vec<Window>,
+    windows: Vec<Record>,
 }
 
 impl Windows {
     /// What they take for so many rows of so many columns.
     pub fn bytes(columns: usize, rows: usize) -> usize {
-        (size_of::<Window>() * rows + 6) * columns
+        (size_of::<Record>() * rows + 6) * columns
     }
 
     /// With the memory for one row of so many columns.
@@ -146,7 +107,7 @@ impl Windows {
         }
         self.windows.clear();
         self.windows.reserve_exact(columns * rows);
-        self.windows.resize(columns * rows, Window::default());
+        self.windows.resize(columns * rows, Record::default());
     }
 
     /// Those of row `y` of what was looked at, of an image as wide as the rows that there is memory for, as row
@@ -165,14 +126,14 @@ impl Windows {
         windows_of_row(level, rows, &mut self.windows[place * columns..][..columns]);
     }
 
-    pub fn get(&self) -> &[Window] {
+    pub fn get(&self) -> &[Record] {
         &self.windows
     }
 }
 
 at_every_level! {
     /// The windows of a row from those around it.
-    fn windows_of_row(rows: [[&[u8]; 2]; 3], windows: &mut [Window]) {
+    fn windows_of_row(rows: [[&[u8]; 2]; 3], windows: &mut [Record]) {
         let columns = windows.len();
         let [[above, steps_above], [here, steps_here], [below, steps_below]] = rows;
         let [a, b, c] = [0, APART, 2 * APART].map(|column| &above[column..][..columns]);
@@ -181,10 +142,10 @@ at_every_level! {
         let [left, own, right] = [0, APART, 2 * APART].map(|column| &steps_here[column..][..columns]);
         let [up, down] = [steps_above, steps_below].map(|row| &row[APART..][..columns]);
         for x in 0..columns {
-            windows[x] = Window {
-                census: word([a[x], b[x], c[x], d[x], f[x], g[x], h[x], i[x]]),
-                own_and_steps: word([e[x], own[x], left[x], right[x], up[x], down[x], 0, 0]),
-            };
+            windows[x] = Record([
+                word([a[x], b[x], c[x], d[x], f[x], g[x], h[x], i[x]]),
+                word([e[x], own[x], left[x], right[x], up[x], down[x], 0, 0]),
+            ]);
         }
     }
 }
@@ -205,10 +166,11 @@ mod tests {
 
     use super::*;
     use crate::chance::Chance;
+    use crate::kernels::products::Plain;
 
     at_every_level! {
-        fn fits(base: &Several, other: &Several, count: usize) -> (Fits, Lanes) {
-            (base.fit(other, count), base.textures())
+        fn fits[products](base: &Several, other: &Several) -> (Fits, Sums) {
+            (base.fit(products, other), base.textures(products))
         }
     }
 
@@ -234,22 +196,18 @@ mod tests {
                     windows.compute(level, &looks, y / every, 1);
                     windows
                 });
-                let places = [(); 2].map(|()| {
-                    std::array::from_fn(|l| match l {
+                let places: [Places; 2] = [(); 2].map(|()| {
+                    Line(std::array::from_fn(|l| match l {
                         0 => 0,
                         1 => columns as u32 - 1,
                         _ => chance.below(columns as u32),
-                    })
+                    }))
                 });
-                let mut several = [Several::default(); 2];
-                for (i, several) in several.iter_mut().enumerate() {
-                    several.take(&windows[i].get()[columns..], &places[i]);
-                }
-                let [base, other] = several;
-                let count = LANES - y;
-                let (fits, textures) = fits(level, &base, &other, count);
-                for l in 0..count {
-                    let [x, there] = places.map(|places: [u32; LANES]| places[l] as usize);
+                let [base, other] =
+                    [0, 1].map(|i| Several::at(Plain, &windows[i].get()[columns..], &places[i]));
+                let (fits, textures) = fits(level, &base, &other);
+                for l in 0..LANES {
+                    let [x, there] = places.map(|places| places[l] as usize);
                     let (mut bits, mut here, mut steps, mut texture) = (0, 0, 0, 0);
                     for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
                         let of = |place: usize, by: i64, end: usize| {
@@ -271,7 +229,7 @@ mod tests {
                         }
                     }
                     let found = [fits.bits[l], fits.bits_here[l], fits.steps[l], textures[l]];
-                    assert_eq!(found, [bits, here, steps, texture].map(|sum| sum as f32));
+                    assert_eq!(found, [bits, here, steps, texture].map(|sum| sum as i32));
                 }
             }
         }

@@ -1,0 +1,286 @@
+//! Samples from anywhere in a row of them, sixteen at a time; and records of sixteen bytes, taken apart: all first
+//! words in one vector, all second ones in the next.
+//!
+//! ```text
+//! w_jl = record[place_l]_j
+//! ```
+//!
+//! Loops take the places out of a vector one by one, ask of each whether it is there, and write what they found to
+//! memory in parts, which cannot be read as a whole for a while. Here all places are looked at together, records go
+//! to a register, and shuffles put their words in order.
+//!
+//! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
+
+use super::aligned::Line;
+use super::products::LANES;
+
+/// Sixteen bytes: two words, or four of half the size of which the lower half comes first.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[repr(C, align(16))]
+pub(crate) struct Record(pub [u64; 2]);
+
+/// Where records lie.
+pub(crate) type Places = Line<[u32; LANES]>;
+
+/// What takes records at one level.
+pub(crate) trait Records: Copy {
+    /// The four words of 32 bits of records, all of which there are.
+    #[inline(always)]
+    fn fourths(self, records: &[Record], places: &Places) -> [Line<[u32; LANES]>; 4] {
+        let mut words = [Line([0; LANES]); 4];
+        for (l, &place) in places.iter().enumerate() {
+            for (i, word) in words.iter_mut().enumerate() {
+                word[l] = (records[place as usize].0[i / 2] >> (32 * (i % 2))) as u32;
+            }
+        }
+        words
+    }
+
+    /// Their two words of 64 bits.
+    #[inline(always)]
+    fn halves(self, records: &[Record], places: &Places) -> [Line<[u64; LANES]>; 2] {
+        let mut words = [Line([0; LANES]); 2];
+        for (l, &place) in places.iter().enumerate() {
+            for (i, word) in words.iter_mut().enumerate() {
+                word[l] = records[place as usize].0[i];
+            }
+        }
+        words
+    }
+
+    /// Samples from anywhere in a row of them.
+    #[inline(always)]
+    fn samples<T: Copy>(self, samples: &[T], places: &Places) -> Line<[T; LANES]> {
+        Line(places.map(|place| samples[place as usize]))
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Records for super::products::Baseline {}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+impl Records for super::products::Plain {}
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code)]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use super::{LANES, Line, Places, Record, Records};
+    use crate::kernels::products::{Avx2, Avx512, Baseline};
+
+    macro_rules! records {
+        (
+            $level:ident, $part:ident, $same:ident, |$place:ident, $end:ident| $all_before:expr,
+            |$records:ident, $at:ident| $together:expr,
+            $low_32:ident, $high_32:ident, $low_64:ident, $high_64:ident
+        ) => {
+            impl $level {
+                /// How many records a vector holds.
+                const WIDE: usize = size_of::<$part>() / size_of::<Record>();
+
+                /// Panics where a place lies beyond the end.
+                #[inline(always)]
+                fn check<T>(self, samples: &[T], places: &Places) {
+                    let end = u32::try_from(samples.len()).unwrap_or(u32::MAX);
+                    for part in 0..Self::PARTS {
+                        let $place = self.read(places, part);
+                        // SAFETY: whoever made `self` vouched for the instructions.
+                        let all_before = unsafe {
+                            let $end = $same(end as i32);
+                            $all_before
+                        };
+                        assert!(all_before, "there are {end} of them");
+                    }
+                }
+
+                /// The records at every so many-th place from a first one on, side by side.
+                ///
+                /// # Safety
+                ///
+                /// They must be there.
+                #[inline(always)]
+                unsafe fn side_by_side(
+                    self,
+                    records: &[Record],
+                    places: &Places,
+                    first: usize,
+                    every: usize,
+                ) -> $part {
+                    let mut $at = [0; Self::WIDE];
+                    for (i, at) in $at.iter_mut().enumerate() {
+                        *at = places[first + every * i] as usize;
+                    }
+                    let $records = records.as_ptr().cast::<__m128i>();
+                    // SAFETY: whoever called vouched for the places, and whoever made `self` for the instructions.
+                    unsafe { $together }
+                }
+            }
+
+            impl Records for $level {
+                #[inline(always)]
+                fn fourths(self, records: &[Record], places: &Places) -> [Line<[u32; LANES]>; 4] {
+                    self.check(records, places);
+                    let mut words = [Line([0; LANES]); 4];
+                    for part in 0..Self::PARTS {
+                        let first = 4 * Self::WIDE * part;
+                        // SAFETY: all places were checked; the instructions as above.
+                        let of_part = unsafe {
+                            let a = self.side_by_side(records, places, first, 4);
+                            let b = self.side_by_side(records, places, first + 1, 4);
+                            let c = self.side_by_side(records, places, first + 2, 4);
+                            let d = self.side_by_side(records, places, first + 3, 4);
+                            let (ab, cd) = ($low_32(a, b), $low_32(c, d));
+                            let (ab_high, cd_high) = ($high_32(a, b), $high_32(c, d));
+                            [
+                                $low_64(ab, cd),
+                                $high_64(ab, cd),
+                                $low_64(ab_high, cd_high),
+                                $high_64(ab_high, cd_high),
+                            ]
+                        };
+                        for (words, of_part) in words.iter_mut().zip(of_part) {
+                            self.write(words, part, of_part);
+                        }
+                    }
+                    words
+                }
+
+                #[inline(always)]
+                fn halves(self, records: &[Record], places: &Places) -> [Line<[u64; LANES]>; 2] {
+                    self.check(records, places);
+                    let mut words = [Line([0; LANES]); 2];
+                    for part in 0..2 * Self::PARTS {
+                        let first = 2 * Self::WIDE * part;
+                        // SAFETY: as above; the words of all records are as many parts.
+                        unsafe {
+                            let a = self.side_by_side(records, places, first, 2);
+                            let b = self.side_by_side(records, places, first + 1, 2);
+                            let [low, high] = &mut words;
+                            std::ptr::from_mut(low).cast::<$part>().add(part).write($low_64(a, b));
+                            std::ptr::from_mut(high)
+                                .cast::<$part>()
+                                .add(part)
+                                .write($high_64(a, b));
+                        }
+                    }
+                    words
+                }
+
+                #[inline(always)]
+                fn samples<T: Copy>(self, samples: &[T], places: &Places) -> Line<[T; LANES]> {
+                    self.check(samples, places);
+                    // SAFETY: all places were checked.
+                    Line(places.map(|place| unsafe { *samples.get_unchecked(place as usize) }))
+                }
+            }
+        };
+    }
+
+    records!(
+        Baseline,
+        __m128i,
+        _mm_set1_epi32,
+        |place, end| {
+            let lowest = _mm_set1_epi32(i32::MIN);
+            let before = _mm_cmplt_epi32(_mm_xor_si128(place, lowest), _mm_xor_si128(end, lowest));
+            _mm_movemask_epi8(before) == 0xFFFF
+        },
+        |records, at| _mm_load_si128(records.add(at[0])),
+        _mm_unpacklo_epi32,
+        _mm_unpackhi_epi32,
+        _mm_unpacklo_epi64,
+        _mm_unpackhi_epi64
+    );
+    records!(
+        Avx2,
+        __m256i,
+        _mm256_set1_epi32,
+        |place, end| {
+            let beyond = _mm256_cmpeq_epi32(_mm256_max_epu32(place, end), place);
+            _mm256_testz_si256(beyond, beyond) == 1
+        },
+        |records, at| _mm256_inserti128_si256::<1>(
+            _mm256_castsi128_si256(_mm_load_si128(records.add(at[0]))),
+            _mm_load_si128(records.add(at[1])),
+        ),
+        _mm256_unpacklo_epi32,
+        _mm256_unpackhi_epi32,
+        _mm256_unpacklo_epi64,
+        _mm256_unpackhi_epi64
+    );
+    records!(
+        Avx512,
+        __m512i,
+        _mm512_set1_epi32,
+        |place, end| _mm512_cmpge_epu32_mask(place, end) == 0,
+        |records, at| {
+            let one = _mm512_castsi128_si512(_mm_load_si128(records.add(at[0])));
+            let two = _mm512_inserti32x4::<1>(one, _mm_load_si128(records.add(at[1])));
+            let three = _mm512_inserti32x4::<2>(two, _mm_load_si128(records.add(at[2])));
+            _mm512_inserti32x4::<3>(three, _mm_load_si128(records.add(at[3])))
+        },
+        _mm512_unpacklo_epi32,
+        _mm512_unpackhi_epi32,
+        _mm512_unpacklo_epi64,
+        _mm512_unpackhi_epi64
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::Chance;
+    use crate::kernels::level::{Level, at_every_level};
+    use crate::kernels::products::Plain;
+
+    type Words = ([Line<[u32; LANES]>; 4], [Line<[u64; LANES]>; 2], Line<[Record; LANES]>);
+
+    at_every_level! {
+        fn words[products](records: &[Record], places: &Places) -> Words {
+            let (fourths, halves) =
+                (products.fourths(records, places), products.halves(records, places));
+            (fourths, halves, products.samples(records, places))
+        }
+    }
+
+    fn some(chance: &mut Chance, length: u32) -> (Vec<Record>, Places) {
+        let mut word = || u64::from(chance.bits(32)) << 32 | u64::from(chance.bits(32));
+        let records = (0..length).map(|_| Record([word(), word()])).collect();
+        let mut places = Line([0; LANES].map(|_: u32| chance.below(length)));
+        // Its ends are asked for too.
+        (places[5], places[12]) = (0, length - 1);
+        (records, places)
+    }
+
+    #[test]
+    fn words_are_those_of_their_records_at_every_level() {
+        let mut chance = Chance(3);
+        for length in [1, 7, 400] {
+            let (records, places) = some(&mut chance, length);
+            let (fourths, halves) =
+                (Plain.fourths(&records, &places), Plain.halves(&records, &places));
+            let [low, high] = records[places[3] as usize].0;
+            assert_eq!(halves.map(|words| words[3]), [low, high]);
+            let parts = [low, low >> 32, high, high >> 32].map(|word| word as u32);
+            assert_eq!(fourths.map(|words| words[3]), parts);
+            for level in Level::available() {
+                eprintln!("level {}", level.name());
+                let all = places.map(|place| records[place as usize]);
+                assert_eq!(words(level, &records, &places), (fourths, halves, Line(all)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_beyond_the_end_panics_at_every_level() {
+        let (records, mut places) = some(&mut Chance(4), 40);
+        for level in Level::available() {
+            for l in 0..LANES {
+                let before = std::mem::replace(&mut places[l], 40);
+                std::panic::catch_unwind(|| words(level, &records, &places)).unwrap_err();
+                places[l] = before;
+            }
+        }
+    }
+}
