@@ -376,10 +376,15 @@ mod x86 {
             shared: &[[Pair; N]],
             [one, other]: [&[Sums]; 2],
         ) {
-            let mut all =
-                sums.each_ref().map(|sums| sums.each_ref().map(|sums| self.read(sums, 0)));
+            // SAFETY: as in `add`.
+            let mut all = [[unsafe { _mm512_setzero_si512() }; N]; 2];
+            for (all, sums) in all.iter_mut().zip(&*sums) {
+                for (all, sums) in all.iter_mut().zip(sums) {
+                    *all = self.read(sums, 0);
+                }
+            }
             for (shared, (one, other)) in shared.iter().zip(one.iter().zip(other)) {
-                let own = [one, other].map(|own| self.read(own, 0));
+                let own = [self.read(one, 0), self.read(other, 0)];
                 for (n, shared) in shared.iter().enumerate() {
                     // SAFETY: as in `add`.
                     let shared = unsafe { _mm512_set1_epi32(transmute::<Pair, i32>(*shared)) };

@@ -170,8 +170,13 @@ mod x86 {
                 #[inline(always)]
                 fn samples<T: Copy>(self, samples: &[T], places: &Places) -> Line<[T; LANES]> {
                     self.check(samples, places);
-                    // SAFETY: all places were checked.
-                    Line(places.map(|place| unsafe { *samples.get_unchecked(place as usize) }))
+                    // Written out: a closure is not always inlined, and then none of it is in registers.
+                    let mut taken = Line([samples[places[0] as usize]; LANES]);
+                    for (taken, &place) in taken.iter_mut().zip(places.iter()) {
+                        // SAFETY: all places were checked.
+                        *taken = unsafe { *samples.get_unchecked(place as usize) };
+                    }
+                    taken
                 }
             }
         };

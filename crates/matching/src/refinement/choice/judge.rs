@@ -256,21 +256,22 @@ impl Judge {
     #[inline(always)]
     pub(super) fn score(&self, products: impl Products, k: usize, others: usize, mind: &mut Mind) {
         let Mind { heard, own, numbers, scores, .. } = mind;
-        let hints = [&heard[others], &heard[others + 1]];
-        let places = [0, 1].map(|i| self.places[k + i].as_chunks().0);
+        let hints: [&[Pairs]; 2] = [&heard[others], &heard[others + 1]];
+        let places = [self.places[k].as_chunks().0, self.places[k + 1].as_chunks().0];
         let own = own.as_chunks::<TOGETHER>().0;
         // Of a length that the compiler does not know: unrolled, the loop over them takes longer.
         let of_each =
             self.of_each.chunks_exact(self.of_each.len() / (self.layers.first / TOGETHER));
         for (group, (weights, own)) in of_each.zip(own).enumerate() {
             let mut sums = [*own; 2];
-            products.add_to_both(&mut sums, weights, hints.map(|hints| &hints[..]));
+            products.add_to_both(&mut sums, weights, hints);
             for i in 0..2 {
                 let numbers = numbers[i].as_chunks_mut::<{ TOGETHER / 2 }>().0;
                 numbers[group] = layer(self.first, &sums[i], &places[i][group]);
             }
         }
-        let numbers = numbers.each_ref().map(|numbers| &numbers[..self.layers.first / 2]);
+        let used = self.layers.first / 2;
+        let numbers = [&numbers[0][..used], &numbers[1][..used]];
         let mut both = [NONE; 2];
         let ends = self.offsets.as_chunks().0.iter().zip(self.last.as_chunks().0);
         for (weights, (offsets, last)) in self.weights.chunks_exact(numbers[0].len()).zip(ends) {

@@ -4,7 +4,7 @@
 use raster::{Plane, Reason};
 use rayon::prelude::*;
 
-use super::block::LANES;
+use super::block::{LANES, NONE};
 use super::certainty;
 use super::edges::Edges;
 use super::slopes::{Slope, Slopes};
@@ -35,8 +35,12 @@ impl Words {
     /// Those that lie at some places.
     #[inline(always)]
     pub fn of(records: impl Records, notes: &[Record], places: &Places) -> Self {
-        let [disparities, slopes, marks, sums] = records.fourths(notes, places);
-        Self { disparities: Line(disparities.map(f32::from_bits)), slopes, marks, sums }
+        let [bits, slopes, marks, sums] = records.fourths(notes, places);
+        let mut disparities = NONE;
+        for l in 0..LANES {
+            disparities[l] = f32::from_bits(bits[l]);
+        }
+        Self { disparities, slopes, marks, sums }
     }
 
     #[inline(always)]
@@ -53,7 +57,11 @@ impl Words {
     #[inline(always)]
     pub fn sums(&self, along_rows: bool) -> [u16; LANES] {
         let shift = if along_rows { 0 } else { u16::BITS };
-        self.sums.map(|sums| (sums >> shift) as u16)
+        let mut sums = [0; LANES];
+        for l in 0..LANES {
+            sums[l] = (self.sums[l] >> shift) as u16;
+        }
+        sums
     }
 }
 
