@@ -136,12 +136,34 @@ impl Image {
     /// Grey with its fractions, on the scale 0 to 255 at either depth (a 16-bit sample is divided
     /// by 257): what the course's Python functions are given.
     pub fn to_grey_f32(&self) -> Plane<f32> {
-        match self {
-            Self::Grey8(p) => p.map(|&v| f32::from(v)),
-            Self::Grey16(p) => p.map(|&v| f32::from(v) / 257.0),
-            Self::Rgb8(p) => p.map(|c| luma(c.map(u32::from)) as f32 / 1000.0),
-            Self::Rgb16(p) => p.map(|c| luma(c.map(u32::from)) as f32 / 257_000.0),
+        let (columns, rows) = self.size();
+        let mut grey = Plane::filled(columns, rows, 0.0);
+        for y in 0..rows {
+            self.grey_row_f32(y, grey.row_mut(y));
         }
+        grey
+    }
+
+    /// Row `y` of [`to_grey_f32`](Self::to_grey_f32), into as many samples as it has columns.
+    ///
+    /// # Panics
+    ///
+    /// If the image does not have that row.
+    pub fn grey_row_f32(&self, y: usize, grey: &mut [f32]) {
+        match self {
+            Self::Grey8(p) => convert(p.row(y), grey, |&v| f32::from(v)),
+            Self::Grey16(p) => convert(p.row(y), grey, |&v| f32::from(v) / 257.0),
+            Self::Rgb8(p) => convert(p.row(y), grey, |c| luma(c.map(u32::from)) as f32 / 1000.0),
+            Self::Rgb16(p) => {
+                convert(p.row(y), grey, |c| luma(c.map(u32::from)) as f32 / 257_000.0);
+            }
+        }
+    }
+}
+
+fn convert<T>(row: &[T], grey: &mut [f32], of: impl Fn(&T) -> f32) {
+    for (grey, sample) in grey.iter_mut().zip(row) {
+        *grey = of(sample);
     }
 }
 

@@ -1,7 +1,9 @@
 //! What makes a pair of images doubtful before anything is matched: few of the grey levels that samples can tell apart,
 //! blocks of compression, one that is less sharp than the other.
 
-use raster::{Image, Plane};
+use raster::Image;
+
+use super::detail::{Detail, details};
 
 /// Cameras give 10, 12 or 14 bits, and drivers store them in samples of 16 as they are: the pictures are nearly
 /// black. Steps of grey are what matching lives on, so it wants them over all 16 bits. Up to so many bits,
@@ -9,10 +11,6 @@ use raster::{Image, Plane};
 const FEW_BITS: u32 = 14;
 /// Of 65536 levels of grey fewer are few: those of a thermal camera may lie far from 0.
 const FEW_LEVELS: u32 = 1 << 12;
-/// The side of the blocks of JPEG and of most videos, in pixels.
-const BLOCK: usize = 8;
-/// Steps of grey count up to this many values, so that edges of things do not hide those of blocks.
-const LARGEST_STEP: f32 = 6.0;
 /// Steps at the borders of blocks are so many times as large as within, in both directions of both images. Of 53 pairs of
 /// Middlebury, KITTI, ETH3D and others none comes to more than 1.04, Spirit's pairs, which were JPEG once, to 1.12; with
 /// JPEG of quality 80 and less mostly more than this.
@@ -22,8 +20,6 @@ const BLOCKY: f64 = 1.13;
 const UNEQUAL: f64 = 1.9;
 /// Exposures differ by less than so many bits.
 const UNEQUAL_BITS: u32 = 3;
-/// Coarse detail is what changes over so many pixels.
-const COARSE: usize = 8;
 /// Smaller images say too little about either.
 const SMALLEST: usize = 64;
 
@@ -48,17 +44,18 @@ pub enum ImageDoubt {
 
 /// Doubts about a pair of images of one size, before anything is matched; [`few_bits`] tells of another one.
 pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
-    let views = [left, right].map(|image| {
-        let along = image.to_grey_f32();
-        [turned(&along), along]
-    });
-    let is_large = |[_, along]: &[Plane<f32>; 2]| along.columns().min(along.rows()) >= SMALLEST;
+    let is_large = |image: &Image| {
+        let (columns, rows) = image.size();
+        columns.min(rows) >= SMALLEST
+    };
     let mut doubts = Vec::from_iter(few_levels(left, right).map(ImageDoubt::FewLevels));
     doubts.extend(unequal_bits(left, right).map(ImageDoubt::UnequalBits));
-    if views.iter().all(is_large) {
-        let are_compressed = views.as_flattened().iter().all(|view| blockiness(view) > BLOCKY);
+    if is_large(left) && is_large(right) {
+        let details = [left, right].map(details);
+        let mut all = details.as_flattened().iter();
+        let are_compressed = all.all(|detail| detail.blockiness() > BLOCKY);
         doubts.extend(are_compressed.then_some(ImageDoubt::Compressed));
-        doubts.extend(blurred(&views));
+        doubts.extend(blurred(&details));
     }
     doubts
 }
@@ -105,49 +102,21 @@ fn bits_of([_, most]: [u32; 2]) -> u32 {
     u32::BITS - most.leading_zeros()
 }
 
-/// Which image of a pair is clearly less sharp, by their columns and their rows.
-fn blurred([left, right]: &[[Plane<f32>; 2]; 2]) -> Option<ImageDoubt> {
-    let [across, along] = [0, 1].map(|at| fineness(&left[at]) / fineness(&right[at]));
-    let [more, less] = [along.max(across), 1.0 / along.min(across)];
+/// Which image of a pair is clearly less sharp, along their rows and down their columns.
+fn blurred([left, right]: &[[Detail; 2]; 2]) -> Option<ImageDoubt> {
+    let [along, down] = [0, 1].map(|way| left[way].fineness() / right[way].fineness());
+    let [more, less] = [along.max(down), 1.0 / along.min(down)];
     if more.max(less) <= UNEQUAL || !more.max(less).is_finite() {
         return None;
     }
     Some(if more > less { ImageDoubt::RightBlurred(more) } else { ImageDoubt::LeftBlurred(less) })
 }
 
-/// Columns as rows.
-fn turned(grey: &Plane<f32>) -> Plane<f32> {
-    Plane::from_fn(grey.rows(), grey.columns(), |x, y| grey.row(x)[y])
-}
-
-/// How many times as large the steps along the rows are at the best of eight places modulo eight as at the middle one.
-fn blockiness(grey: &Plane<f32>) -> f64 {
-    let (mut sums, mut counts) = ([0.0; BLOCK], [0.0; BLOCK]);
-    for y in 0..grey.rows() {
-        for (x, pair) in grey.row(y).windows(2).enumerate() {
-            sums[x % BLOCK] += f64::from((pair[1] - pair[0]).abs().min(LARGEST_STEP));
-            counts[x % BLOCK] += 1.0;
-        }
-    }
-    let mut means: [f64; BLOCK] = std::array::from_fn(|i| sums[i] / counts[i]);
-    means.sort_unstable_by(f64::total_cmp);
-    let middle = f64::midpoint(means[BLOCK / 2 - 1], means[BLOCK / 2]);
-    if middle > 0.0 { means[BLOCK - 1] / middle } else { 1.0 }
-}
-
-/// The mean square of steps along the rows over that of changes over more pixels.
-fn fineness(grey: &Plane<f32>) -> f64 {
-    let square = |apart: usize| {
-        let rows = (0..grey.rows()).map(|y| grey.row(y));
-        let pairs = rows.flat_map(|row| row.iter().zip(&row[apart..]));
-        let squares = pairs.map(|(a, b)| f64::from(a - b).powi(2));
-        squares.sum::<f64>() / ((grey.columns() - apart) * grey.rows()) as f64
-    };
-    square(1) / square(COARSE)
-}
-
 #[cfg(test)]
 mod tests {
+    use raster::Plane;
+
+    use super::super::detail::BLOCK;
     use super::*;
 
     #[test]

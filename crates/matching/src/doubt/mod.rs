@@ -1,6 +1,7 @@
 //! What makes an answer doubtful though no rule was broken: little matched, or what matched
 //! piles up at an end of the range. What makes images doubtful stands in [`images`].
 
+mod detail;
 mod images;
 
 use raster::{BoundingBox, DisparityMap, DisparityRange, Reason};
