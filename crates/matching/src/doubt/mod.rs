@@ -46,8 +46,20 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     let (columns, rows) = map.values.size();
     bounds.check_within(columns, rows).expect("the box lies in the map");
     let answered = bounds.columns() * bounds.rows();
-    let matched = matched(map, bounds);
-    let share = matched.len() as f64 / answered as f64;
+    let (min, max) = (range.min() as f32, range.max() as f32);
+    let [mut matched, mut nearest, mut farthest, mut infinite] = [0; 4];
+    for y in bounds.y0..=bounds.y1 {
+        let part = bounds.x0..=bounds.x1;
+        let pixels = map.values.row(y)[part.clone()].iter().zip(&map.reasons.row(y)[part]);
+        for (&value, &reason) in pixels {
+            let count = |there: bool| u64::from((reason == Reason::Matched) & there);
+            matched += count(true);
+            nearest += count(value >= max - 0.5);
+            farthest += count(value <= min + 0.5);
+            infinite += count(value.abs() < 0.5);
+        }
+    }
+    let share = matched as f64 / answered as f64;
     if bounds.columns() < NARROW {
         return Vec::new();
     }
@@ -56,38 +68,21 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     }
     // In a short range the last disparity is a large share of it, whatever is seen.
     let many = MANY.max(1.0 / range.count() as f64);
-    let (min, max) = (range.min() as f32, range.max() as f32);
-    let of = |there: &dyn Fn(f32) -> bool| {
-        matched.iter().filter(|&&value| there(value)).count() as f64 / matched.len() as f64
-    };
+    let [nearest, farthest, infinite] =
+        [nearest, farthest, infinite].map(|count: u64| count as f64 / matched as f64);
     let mut doubts = Vec::new();
-    let nearest = of(&|value| value >= max - 0.5);
     if nearest > many {
         doubts.push(Doubt::Nearer(nearest));
     }
     // At 0 things are infinitely far: nothing is behind that.
-    let farthest = of(&|value| value <= min + 0.5);
     if range.min() != 0 && farthest > many {
         doubts.push(Doubt::Farther(farthest));
     }
     // Who searches below 0 has a pair that is cropped or turned inwards, and sees infinity elsewhere.
-    let infinite = of(&|value| value.abs() < 0.5);
     if range.min() == 0 && infinite > MANY_INFINITE {
         doubts.push(Doubt::Infinite(infinite));
     }
     doubts
-}
-
-/// The disparities of the matched pixels of a box.
-fn matched(map: &DisparityMap, bounds: BoundingBox) -> Vec<f32> {
-    (bounds.y0..=bounds.y1)
-        .flat_map(|y| {
-            let part = bounds.x0..=bounds.x1;
-            map.values.row(y)[part.clone()].iter().zip(&map.reasons.row(y)[part])
-        })
-        .filter(|&(_, &reason)| reason == Reason::Matched)
-        .map(|(&value, _)| value)
-        .collect()
 }
 
 #[cfg(test)]

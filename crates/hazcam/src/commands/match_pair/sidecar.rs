@@ -159,14 +159,14 @@ impl Sidecar {
 
 /// The share of the box's pixels per reason.
 fn shares(map: &DisparityMap, bounds: BoundingBox) -> BTreeMap<&'static str, f64> {
-    let mut counts = BTreeMap::new();
-    for y in bounds.y0..=bounds.y1 {
-        for reason in &map.reasons.row(y)[bounds.x0..=bounds.x1] {
-            *counts.entry(reason.name()).or_insert(0usize) += 1;
-        }
-    }
+    let rows = || (bounds.y0..=bounds.y1).map(|y| &map.reasons.row(y)[bounds.x0..=bounds.x1]);
     let all = (bounds.columns() * bounds.rows()) as f64;
-    counts.into_iter().map(|(name, count)| (name, count as f64 / all)).collect()
+    let share = |reason: Reason| {
+        let count = rows().map(|row| row.iter().filter(|&&other| other == reason).count());
+        let count: usize = count.sum();
+        (count > 0).then_some((reason.name(), count as f64 / all))
+    };
+    Reason::ALL.into_iter().filter_map(share).collect()
 }
 
 impl Input {
