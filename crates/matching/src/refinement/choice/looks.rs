@@ -1,13 +1,14 @@
 //! What a pixel looks like: a 3 x 3 census, and the grey step along the row.
 //!
-//! In: an image. Out: two bytes per pixel of every so many-th row; those of one kind lie side by side in a row.
+//! In: an image. Out: two bytes per pixel of every so many-th row; those of one kind lie side by side in a row, whose
+//! ends are repeated for as far as windows see beyond them.
 
 use std::ops::Range;
 
 use raster::{Plane, View};
 use rayon::prelude::*;
 
-use super::windows::rows_apart;
+use super::windows::{APART, rows_apart};
 use crate::kernels::level::{Level, at_every_level};
 use crate::prepare::gradient::steps_along_row;
 use crate::profile::Work;
@@ -33,25 +34,31 @@ impl Looks {
         let (columns, height) = (image.columns(), image.rows());
         self.apart = rows_apart(every);
         let count = rows.len().div_ceil(every) + self.apart;
-        self.looks.reshape(2 * columns, count, 0);
-        let looks = self.looks.samples_mut().par_chunks_mut(2 * columns).enumerate();
+        let wide = columns + 2 * APART;
+        self.looks.reshape(2 * wide, count, 0);
+        let looks = self.looks.samples_mut().par_chunks_mut(2 * wide).enumerate();
         looks.for_each(|(y, looks)| {
             let y = (rows.start + every * y).min(rows.end - 1);
             let near = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| image.row(y));
-            let (census, steps) = looks.split_at_mut(columns);
-            census_of_row(level, near, census);
-            steps_along_row(image.row(y), steps);
+            let (census, steps) = looks.split_at_mut(wide);
+            census_of_row(level, near, &mut census[APART..][..columns]);
+            steps_along_row(image.row(y), &mut steps[APART..][..columns]);
+            for part in [census, steps] {
+                let (first, last) = (part[APART], part[APART + columns - 1]);
+                part[..APART].fill(first);
+                part[APART + columns..].fill(last);
+            }
         });
         Work::bytes(columns * count + size_of_val(self.looks.samples()))
     }
 
     /// Bytes of the looks of so many rows.
     pub fn bytes(columns: usize, rows: usize, every: usize) -> usize {
-        2 * columns * (rows + rows_apart(every))
+        2 * (columns + 2 * APART) * (rows + rows_apart(every))
     }
 
     pub fn columns(&self) -> usize {
-        self.looks.columns() / 2
+        self.looks.columns() / 2 - 2 * APART
     }
 
     /// How many of these rows the pixels of a window stand apart.
@@ -59,9 +66,9 @@ impl Looks {
         self.apart
     }
 
-    /// The parts of row `y`.
+    /// The parts of row `y`, with what is repeated before and after them.
     pub fn row(&self, y: usize) -> [&[u8]; 2] {
-        let (census, steps) = self.looks.row(y).split_at(self.columns());
+        let (census, steps) = self.looks.row(y).split_at(self.looks.columns() / 2);
         [census, steps]
     }
 }
@@ -110,8 +117,14 @@ mod tests {
         let mut looks = Looks::default();
         for level in Level::available() {
             looks.compute(level, image.view(), 1..2, 1);
+            let [census, steps] = looks.row(0).map(|part| &part[APART..][..3]);
             // Below 3: 1 and its repetition. Below 4: 1, 2 and 3. Below 5: 4 and 2 twice.
-            assert_eq!(looks.row(0), [&[0b1100_0000, 0b1011_0000, 0b0111_0000], &[129, 130, 129]]);
+            assert_eq!(census, [0b1100_0000, 0b1011_0000, 0b0111_0000]);
+            assert_eq!(steps, [129, 130, 129]);
+            for part in looks.row(0) {
+                assert_eq!([part[0], part[1]], [part[2]; 2], "the ends are repeated");
+                assert_eq!([part[5], part[6]], [part[4]; 2]);
+            }
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::kernels::records::{Places, Record, Records};
 use crate::kernels::unlike::{Unlike, Words};
 
 /// The pixels of a window stand so far apart.
-const APART: usize = 2;
+pub(super) const APART: usize = 2;
 /// Steps in a window.
 pub(super) const STEPS: u32 = 5;
 /// The census bits in a window.
@@ -77,18 +77,14 @@ impl Several {
     }
 }
 
-/// The windows of some rows of an image, one after the other, and the memory that it takes to find them.
+/// The windows of some rows of an image, one after the other.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Windows {
-    /// Census bytes and steps of the rows above, here and below, with their ends repeated.
-    rows: [[Vec<u8>; 2]; 3],
-    windows: Vec<Record>,
-}
+pub(super) struct Windows(Vec<Record>);
 
 impl Windows {
     /// What they take for so many rows of so many columns.
     pub fn bytes(columns: usize, rows: usize) -> usize {
-        (size_of::<Record>() * rows + 6) * columns
+        size_of::<Record>() * rows * columns
     }
 
     /// With the memory for one row of so many columns.
@@ -100,14 +96,9 @@ impl Windows {
 
     /// Takes the memory for so many rows of so many columns.
     pub fn reset(&mut self, columns: usize, rows: usize) {
-        for row in self.rows.as_flattened_mut() {
-            row.clear();
-            row.reserve_exact(columns + 2 * APART);
-            row.resize(columns + 2 * APART, 0);
-        }
-        self.windows.clear();
-        self.windows.reserve_exact(columns * rows);
-        self.windows.resize(columns * rows, Record::default());
+        self.0.clear();
+        self.0.reserve_exact(columns * rows);
+        self.0.resize(columns * rows, Record::default());
     }
 
     /// Those of row `y` of what was looked at, of an image as wide as the rows that there is memory for, as row
@@ -115,19 +106,12 @@ impl Windows {
     pub fn compute(&mut self, level: Level, image: &Looks, y: usize, place: usize) {
         let columns = image.columns();
         let near = [y.saturating_sub(image.apart()), y, y + image.apart()];
-        for (rows, y) in self.rows.iter_mut().zip(near) {
-            for (row, part) in rows.iter_mut().zip(image.row(y)) {
-                row[..APART].fill(part[0]);
-                row[APART..][..columns].copy_from_slice(part);
-                row[APART + columns..].fill(part[columns - 1]);
-            }
-        }
-        let rows = self.rows.each_ref().map(|rows| rows.each_ref().map(|row| &row[..]));
-        windows_of_row(level, rows, &mut self.windows[place * columns..][..columns]);
+        let rows = near.map(|y| image.row(y));
+        windows_of_row(level, rows, &mut self.0[place * columns..][..columns]);
     }
 
     pub fn get(&self) -> &[Record] {
-        &self.windows
+        &self.0
     }
 }
 
@@ -216,7 +200,8 @@ mod tests {
                         let row = of(y, dy, rows);
                         let [a, b] = [(0, x), (1, there)].map(|(image, x): (usize, usize)| {
                             let [census, steps] = of_all_rows[image].row(row);
-                            (census[of(x, dx, columns)], steps[of(x, dx, columns)])
+                            let x = APART + of(x, dx, columns);
+                            (census[x], steps[x])
                         });
                         let unlike = (a.0 ^ b.0).count_ones();
                         bits += unlike;
