@@ -201,7 +201,7 @@ impl Block {
             }
         }
         (self.here, self.smallest, self.largest) = (here, smallest, largest);
-        self.know_pixels(products, scene);
+        self.know_pixels(scene);
         let mut any = false;
         for l in 0..LANES {
             self.open[l] = largest[l] - smallest[l] > reach.choice;
@@ -231,13 +231,11 @@ impl Block {
 
     /// What is known of the pixels, but for their texture.
     #[inline(always)]
-    fn know_pixels(&mut self, products: impl Products, scene: &Scene<'_>) {
-        let columns = scene.values.columns() as i32;
-        let mut at = Line([0; LANES]);
+    fn know_pixels(&mut self, scene: &Scene<'_>) {
+        let mut reasons = [Reason::Matched; LANES];
         for l in 0..LANES {
-            at[l] = (self.rows[l] * columns + self.columns[l]) as u32;
+            reasons[l] = scene.reasons.row(self.rows[l] as usize)[self.columns[l] as usize];
         }
-        let reasons = products.samples(scene.reasons.samples(), &at);
         for l in 0..LANES {
             self.of_pixel[0][l] = self.marks[0][l].confidence();
             self.of_pixel[1][l] = share(reasons[l] == Reason::OccludedFilled);

@@ -402,6 +402,63 @@ mod tests {
         assert!(votes > 1.5 && votes <= 3.0, "most say one or the other: {votes}");
     }
 
+    /// Whether a pixel is not settled: by its reason, in doubt, or by the planes of its inner rings.
+    fn is_undecided(scene: &Scene<'_>, reach: &Reach, (x, y): (usize, usize)) -> bool {
+        let (columns, rows) = scene.values.size();
+        let mut planes = vec![scene.values.row(y)[x]];
+        for place in &reach.places[..reach.inner] {
+            let (u, v) = (x as i32 + place.columns, y as i32 + place.rows);
+            if (0..columns as i32).contains(&u) && (0..rows as i32).contains(&v) {
+                let (u, v) = (u as usize, v as usize);
+                let slope = scene.strip.slopes.row(v)[u];
+                let plane = scene.values.row(v)[u] - slopes::rise(slope, place.pixels(reach.every));
+                planes.push(plane.clamp(scene.given.least, scene.given.most));
+            }
+        }
+        planes.sort_by(f32::total_cmp);
+        scene.reasons.row(y)[x] != Reason::Matched
+            || scene.given.doubtful.row(y)[x]
+            || planes[planes.len() - 1] - planes[0] > reach.settled
+    }
+
+    #[test]
+    fn marked_pixels_that_are_not_settled_are_found_at_every_level() {
+        let mut chance = Chance(5);
+        for (columns, reach) in
+            [1, 3, 31, 32, 33, COLUMNS].into_iter().flat_map(|n| [(n, &NARROW), (n, &WIDE)])
+        {
+            let reach = &Reach { every: 1, ..*reach };
+            // Some of it lies beyond the ends of the range.
+            let mut world = World::new(Plane::from_fn(columns, ROWS, |x, _| {
+                truth(x + FIRST) + if x % 7 == 0 { 22.0 * chance.share() - 5.0 } else { 0.0 }
+            }));
+            world.reasons = world.values.map(|_| match chance.below(20) {
+                0 => Reason::OccludedFilled,
+                _ => Reason::Matched,
+            });
+            world.doubtful = world.values.map(|_| chance.below(20) == 0);
+            world.see(reach, &world.values.clone());
+            let given = world.given();
+            let scene = world.scene(&given);
+            let (first, rows) = (11, 5);
+            for nobody in [false, true] {
+                let marks: Vec<bool> =
+                    (0..rows * columns).map(|_| !nobody && chance.below(3) > 0).collect();
+                let places = (first..first + rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+                let expected: Vec<undecided::Place> = (places.zip(&marks))
+                    .filter(|&(place, marked)| *marked && is_undecided(&scene, reach, place))
+                    .map(|((x, y), _)| [x as i32, y as i32])
+                    .collect();
+                assert!(nobody || columns < 31 || !expected.is_empty());
+                for level in Level::available() {
+                    let mut found = vec![[0; 2]; rows * columns];
+                    let count = undecided(level, &scene, reach, first, &marks, &mut found);
+                    assert_eq!(found[..count], expected, "{columns} columns, {}", level.name());
+                }
+            }
+        }
+    }
+
     #[test]
     fn flat_ground_and_settled_matches_have_nothing_to_choose() {
         let has_choice = |world: &World, pixel| {
