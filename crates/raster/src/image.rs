@@ -148,7 +148,7 @@ impl Image {
     ///
     /// # Panics
     ///
-    /// If the image does not have that row.
+    /// If the image does not have that row, or another number of columns.
     pub fn grey_row_f32(&self, y: usize, grey: &mut [f32]) {
         match self {
             Self::Grey8(p) => convert(p.row(y), grey, |&v| f32::from(v)),
@@ -162,6 +162,7 @@ impl Image {
 }
 
 fn convert<T>(row: &[T], grey: &mut [f32], of: impl Fn(&T) -> f32) {
+    assert_eq!(grey.len(), row.len(), "a sample for each column");
     for (grey, sample) in grey.iter_mut().zip(row) {
         *grey = of(sample);
     }

@@ -14,7 +14,8 @@
 use super::aligned::Line;
 use super::products::LANES;
 
-/// Sixteen bytes: two words, or four of half the size of which the lower half comes first.
+/// Sixteen bytes: two words, or four of half the size of which the lower half comes first. It begins where vectors of
+/// that size may be read.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(C, align(16))]
 pub(crate) struct Record(pub [u64; 2]);
@@ -90,7 +91,7 @@ mod x86 {
                             let $end = $same(end as i32);
                             $all_before
                         };
-                        assert!(all_before, "there are {end} of them");
+                        assert!(all_before, "there are {end}, but asked for are {places:?}");
                     }
                 }
 
@@ -112,7 +113,8 @@ mod x86 {
                         *at = places[first + every * i] as usize;
                     }
                     let $records = records.as_ptr().cast::<__m128i>();
-                    // SAFETY: whoever called vouched for the places, and whoever made `self` for the instructions.
+                    // SAFETY: whoever called vouched for the places, and whoever made `self` for the instructions; records
+                    // begin where such vectors may.
                     unsafe { $together }
                 }
             }
@@ -152,7 +154,8 @@ mod x86 {
                     let mut words = [Line([0; LANES]); 2];
                     for part in 0..2 * Self::PARTS {
                         let first = 2 * Self::WIDE * part;
-                        // SAFETY: as above; the words of all records are as many parts.
+                        // SAFETY: as above; the words of all records are as many parts, and lines begin where any vector
+                        // may.
                         unsafe {
                             let a = self.side_by_side(records, places, first, 2);
                             let b = self.side_by_side(records, places, first + 1, 2);
@@ -234,18 +237,24 @@ mod x86 {
 
 #[cfg(test)]
 mod tests {
+    use std::panic::AssertUnwindSafe;
+
     use super::*;
     use crate::chance::Chance;
     use crate::kernels::level::{Level, at_every_level};
     use crate::kernels::products::Plain;
 
-    type Words = ([Line<[u32; LANES]>; 4], [Line<[u64; LANES]>; 2], Line<[Record; LANES]>);
-
     at_every_level! {
-        fn words[products](records: &[Record], places: &Places) -> Words {
-            let (fourths, halves) =
-                (products.fourths(records, places), products.halves(records, places));
-            (fourths, halves, products.samples(records, places))
+        fn fourths[products](records: &[Record], places: &Places) -> [Line<[u32; LANES]>; 4] {
+            products.fourths(records, places)
+        }
+
+        fn halves[products](records: &[Record], places: &Places) -> [Line<[u64; LANES]>; 2] {
+            products.halves(records, places)
+        }
+
+        fn samples[products](records: &[Record], places: &Places) -> Line<[Record; LANES]> {
+            products.samples(records, places)
         }
     }
 
@@ -263,16 +272,18 @@ mod tests {
         let mut chance = Chance(3);
         for length in [1, 7, 400] {
             let (records, places) = some(&mut chance, length);
-            let (fourths, halves) =
-                (Plain.fourths(&records, &places), Plain.halves(&records, &places));
+            let words = Plain.fourths(&records, &places);
+            let wide = Plain.halves(&records, &places);
             let [low, high] = records[places[3] as usize].0;
-            assert_eq!(halves.map(|words| words[3]), [low, high]);
+            assert_eq!(wide.map(|words| words[3]), [low, high]);
             let parts = [low, low >> 32, high, high >> 32].map(|word| word as u32);
-            assert_eq!(fourths.map(|words| words[3]), parts);
+            assert_eq!(words.map(|words| words[3]), parts);
+            let all = places.map(|place| records[place as usize]);
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                let all = places.map(|place| records[place as usize]);
-                assert_eq!(words(level, &records, &places), (fourths, halves, Line(all)));
+                assert_eq!(fourths(level, &records, &places), words, "of {length}");
+                assert_eq!(halves(level, &records, &places), wide, "of {length}");
+                assert_eq!(samples(level, &records, &places), Line(all), "of {length}");
             }
         }
     }
@@ -280,12 +291,25 @@ mod tests {
     #[test]
     fn a_place_beyond_the_end_panics_at_every_level() {
         let (records, mut places) = some(&mut Chance(4), 40);
+        let refused = |level, records: &[Record], places: &Places| {
+            let takes: [&dyn Fn(); 3] = [
+                &|| _ = fourths(level, records, places),
+                &|| _ = halves(level, records, places),
+                &|| _ = samples(level, records, places),
+            ];
+            takes.map(|take| std::panic::catch_unwind(AssertUnwindSafe(take)).is_err())
+        };
         for level in Level::available() {
+            assert_eq!(refused(level, &records, &places), [false; 3], "all of them are there");
             for l in 0..LANES {
-                let before = std::mem::replace(&mut places[l], 40);
-                std::panic::catch_unwind(|| words(level, &records, &places)).unwrap_err();
-                places[l] = before;
+                // The largest one is what a place before the beginning becomes.
+                for beyond in [40, i32::MAX as u32, 1 << 31, u32::MAX] {
+                    let before = std::mem::replace(&mut places[l], beyond);
+                    assert_eq!(refused(level, &records, &places), [true; 3], "{beyond}");
+                    places[l] = before;
+                }
             }
+            assert_eq!(refused(level, &[], &Line([0; LANES])), [true; 3], "there are none");
         }
     }
 }

@@ -60,17 +60,18 @@ mod x86 {
     macro_rules! bytes {
         (
             $part:ident, $same:ident, $same_byte:ident, $largest:ident, $least:ident, $subtract:ident, $and:ident,
-            $sum:ident, $zero:ident
+            $sum:ident, $zero:ident, |$this:ident, $sums:ident| $narrow:expr
         ) => {
             #[inline(always)]
             fn bytes(self, words: &Words, others: &Words, most: u8, mask: u64) -> Sums {
                 const PARTS: usize = size_of::<Words>() / size_of::<$part>();
                 let mut sums = Line([0u64; LANES]);
-                // SAFETY: whoever made `self` vouched for the instructions, and all parts lie within the words.
+                // SAFETY: whoever made `self` vouched for the instructions; all parts lie within the words, and lines
+                // begin where any vector may.
                 unsafe {
                     let (most, mask) = ($same_byte(most as i8), $same(mask as i64));
-                    let (ours, theirs) =
-                        (words.as_ptr().cast::<$part>(), others.as_ptr().cast::<$part>());
+                    let ours = words.as_ptr().cast::<$part>();
+                    let theirs = others.as_ptr().cast::<$part>();
                     for part in 0..PARTS {
                         let (one, other) = (ours.add(part).read(), theirs.add(part).read());
                         let off = $subtract($largest(one, other), $least(one, other));
@@ -78,11 +79,8 @@ mod x86 {
                         sums.as_mut_ptr().cast::<$part>().add(part).write($sum(off, $zero()));
                     }
                 }
-                let mut narrow = Line([0; LANES]);
-                for l in 0..LANES {
-                    narrow[l] = sums[l] as i32;
-                }
-                narrow
+                let ($this, $sums) = (self, &sums);
+                $narrow
             }
         };
     }
@@ -97,7 +95,8 @@ mod x86 {
             _mm_sub_epi8,
             _mm_and_si128,
             _mm_sad_epu8,
-            _mm_setzero_si128
+            _mm_setzero_si128,
+            |_this, sums| lower_halves(sums)
         );
     }
 
@@ -111,58 +110,70 @@ mod x86 {
             _mm256_sub_epi8,
             _mm256_and_si256,
             _mm256_sad_epu8,
-            _mm256_setzero_si256
+            _mm256_setzero_si256,
+            |_this, sums| lower_halves(sums)
         );
     }
 
     impl Unlike for Avx512 {
         #[inline(always)]
         fn bits(self, words: &Words, others: &Words, mask: u64) -> Sums {
-            // SAFETY: as above.
+            let mut bits = Line([0u64; LANES]);
+            // SAFETY: whoever made `self` vouched for the instructions; words are two such vectors, and lines begin
+            // where any vector may.
             unsafe {
                 let mask = _mm512_set1_epi64(mask as i64);
                 let ours = words.as_ptr().cast::<__m512i>();
                 let theirs = others.as_ptr().cast::<__m512i>();
-                let low = _mm512_and_si512(_mm512_xor_si512(*ours, *theirs), mask);
-                let high = _mm512_and_si512(_mm512_xor_si512(*ours.add(1), *theirs.add(1)), mask);
-                self.narrow(_mm512_popcnt_epi64(low), _mm512_popcnt_epi64(high))
+                for part in 0..2 {
+                    let differ = _mm512_xor_si512(ours.add(part).read(), theirs.add(part).read());
+                    let bits_of = _mm512_popcnt_epi64(_mm512_and_si512(differ, mask));
+                    bits.as_mut_ptr().cast::<__m512i>().add(part).write(bits_of);
+                }
             }
+            self.narrow(&bits)
         }
 
-        #[inline(always)]
-        fn bytes(self, words: &Words, others: &Words, most: u8, mask: u64) -> Sums {
-            // SAFETY: as above.
-            unsafe {
-                let (most, mask) = (_mm512_set1_epi8(most as i8), _mm512_set1_epi64(mask as i64));
-                let ours = words.as_ptr().cast::<__m512i>();
-                let theirs = others.as_ptr().cast::<__m512i>();
-                let mut sums = [_mm512_setzero_si512(); 2];
-                for (part, sums) in sums.iter_mut().enumerate() {
-                    let (one, other) = (*ours.add(part), *theirs.add(part));
-                    let off =
-                        _mm512_sub_epi8(_mm512_max_epu8(one, other), _mm512_min_epu8(one, other));
-                    let off = _mm512_and_si512(_mm512_min_epu8(off, most), mask);
-                    *sums = _mm512_sad_epu8(off, *sums);
-                }
-                self.narrow(sums[0], sums[1])
-            }
-        }
+        bytes!(
+            __m512i,
+            _mm512_set1_epi64,
+            _mm512_set1_epi8,
+            _mm512_max_epu8,
+            _mm512_min_epu8,
+            _mm512_sub_epi8,
+            _mm512_and_si512,
+            _mm512_sad_epu8,
+            _mm512_setzero_si512,
+            |this, sums| this.narrow(sums)
+        );
     }
 
     impl Avx512 {
         /// The lower halves of words.
         #[inline(always)]
-        fn narrow(self, low: __m512i, high: __m512i) -> Sums {
+        fn narrow(self, words: &Words) -> Sums {
             let mut narrow = Line([0; LANES]);
-            // SAFETY: as above.
+            // SAFETY: whoever made `self` vouched for the instructions; words are two such vectors, and lines begin
+            // where any vector may.
             let even = unsafe {
+                let words = words.as_ptr().cast::<__m512i>();
                 let even =
                     _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-                _mm512_permutex2var_epi32(low, even, high)
+                _mm512_permutex2var_epi32(words.read(), even, words.add(1).read())
             };
             self.write(&mut narrow, 0, even);
             narrow
         }
+    }
+
+    /// The lower halves of words.
+    #[inline(always)]
+    fn lower_halves(words: &Words) -> Sums {
+        let mut narrow = Line([0; LANES]);
+        for l in 0..LANES {
+            narrow[l] = words[l] as i32;
+        }
+        narrow
     }
 }
 

@@ -159,14 +159,15 @@ impl Sidecar {
 
 /// The share of the box's pixels per reason.
 fn shares(map: &DisparityMap, bounds: BoundingBox) -> BTreeMap<&'static str, f64> {
-    let rows = || (bounds.y0..=bounds.y1).map(|y| &map.reasons.row(y)[bounds.x0..=bounds.x1]);
+    let mut counts = [0usize; Reason::ALL.len()];
+    for y in bounds.y0..=bounds.y1 {
+        for &reason in &map.reasons.row(y)[bounds.x0..=bounds.x1] {
+            counts[usize::from(reason as u8)] += 1;
+        }
+    }
     let all = (bounds.columns() * bounds.rows()) as f64;
-    let share = |reason: Reason| {
-        let count = rows().map(|row| row.iter().filter(|&&other| other == reason).count());
-        let count: usize = count.sum();
-        (count > 0).then_some((reason.name(), count as f64 / all))
-    };
-    Reason::ALL.into_iter().filter_map(share).collect()
+    let found = Reason::ALL.into_iter().zip(counts).filter(|&(_, count)| count > 0);
+    found.map(|(reason, count)| (reason.name(), count as f64 / all)).collect()
 }
 
 impl Input {

@@ -1,7 +1,7 @@
 //! What pixels can choose from, and what is known of each candidate.
 //!
 //! Candidates are the planes of a pixel itself and of others around it, continued to where it lies. Pixels of a few
-//! rows are worked on together, those that are asked and no others. Where not all pixels are matched, maps hold those
+//! rows are worked on together, those that are not settled and no others. Where not all pixels are matched, maps hold those
 //! that are.
 
 use raster::{Plane, Reason, View};
@@ -10,7 +10,7 @@ use super::hint::{self, Hints};
 use super::notes::{Mark, Words};
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, SAME, in_turns};
-use super::slopes::{rise, steep};
+use super::slopes::{continued, steep};
 use super::strip::Strip;
 use super::undecided;
 use super::windows::{BITS, Fits, STEPS, Several, Windows};
@@ -61,10 +61,10 @@ pub(super) struct Compared<'a> {
     width: usize,
     /// A column of the map is every so many-th one of these.
     every: usize,
-    pub base: &'a [Record],
-    pub other: &'a [Record],
+    base: &'a [Record],
+    other: &'a [Record],
     /// The disparities of the right view, in a mirror.
-    pub right: &'a [f32],
+    right: &'a [f32],
 }
 
 impl<'a> Compared<'a> {
@@ -156,7 +156,7 @@ impl Block {
         products: impl Products,
         scene: &Scene<'_>,
         reach: &Reach,
-        pixels: &[undecided::Place],
+        pixels: &[undecided::At],
     ) -> bool {
         self.places = reach.places;
         for l in 0..LANES {
@@ -166,7 +166,7 @@ impl Block {
         let Strip { notes, edges, .. } = scene.strip;
         let (least, most) = (scene.given.least, scene.given.most);
         // The first candidate is the pixel's own.
-        let at_own = self.see(scene, 0);
+        let (at_own, _) = self.seen(scene, &reach.places[0]);
         let own = Words::of(products, notes.samples(), &at_own);
         let here = own.disparities;
         let sums_here = [
@@ -177,19 +177,18 @@ impl Block {
         ];
         let (mut smallest, mut largest) = (here, here);
         for (k, place) in reach.places.iter().enumerate() {
-            let at = self.see(scene, k);
+            let (at, inside) = self.seen(scene, place);
             let words = Words::of(products, notes.samples(), &at);
             let sums = match place.way {
                 way @ ..2 => words.sums(way == 0),
                 way => *products.samples(edges.samples(way), &at),
             };
-            let (way, inside) = (place.pixels(reach.every), &self.inside[k]);
+            let way = place.pixels(reach.every);
             for l in 0..LANES {
-                let d = words.disparities[l] - rise(words.slope(l), way);
-                let d = if inside[l] > 0.0 { d } else { here[l] };
-                let d = if d < least { least } else { d };
-                let d = if d > most { most } else { d };
+                let plane = (words.disparities[l], words.slope(l));
+                let d = continued(plane, way, inside[l] > 0.0, here[l], [least, most]);
                 self.disparities[k][l] = d;
+                self.inside[k][l] = inside[l];
                 self.steep[k][l] = steep(words.slope(l));
                 smallest[l] = if d < smallest[l] { d } else { smallest[l] };
                 largest[l] = if d > largest[l] { d } else { largest[l] };
@@ -210,23 +209,24 @@ impl Block {
         any
     }
 
-    /// Where the notes of candidate `k` lie. Beyond the ends of the map its rows are repeated.
+    /// Where the notes of the pixels at a place lie as these see it, and 1 for those inside the map, else 0. Beyond the
+    /// ends of the map its rows are repeated. Maps have less than 2^31 pixels.
     #[inline(always)]
-    fn see(&mut self, scene: &Scene<'_>, k: usize) -> Places {
+    fn seen(&self, scene: &Scene<'_>, place: &Place) -> (Places, Lanes) {
         let (columns, rows) = scene.values.size();
         let (columns, rows) = (columns as i32, rows as i32);
-        let (top, place) = (scene.strip.top() as i32, self.places[k]);
-        let mut at = Line([0; LANES]);
+        let top = scene.strip.top() as i32;
+        let (mut at, mut inside) = (Line([0; LANES]), NONE);
         for l in 0..LANES {
             let (column, row) = (self.columns[l] + place.columns, self.rows[l] + place.rows);
             let is_in_rows = (row >= 0) & (row < rows);
             let row = if is_in_rows { row } else { self.rows[l] };
             let clamped = if column < 0 { 0 } else { column };
             let clamped = if clamped < columns { clamped } else { columns - 1 };
-            self.inside[k][l] = share(is_in_rows & (clamped == column));
+            inside[l] = share(is_in_rows & (clamped == column));
             at[l] = ((row - top) * columns + clamped) as u32;
         }
-        at
+        (at, inside)
     }
 
     /// What is known of the pixels, but for their texture.
@@ -380,6 +380,6 @@ fn changes(mark: Mark) -> f32 {
 }
 
 #[inline(always)]
-pub(super) fn share(is: bool) -> f32 {
+fn share(is: bool) -> f32 {
     if is { 1.0 } else { 0.0 }
 }

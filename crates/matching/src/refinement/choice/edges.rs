@@ -2,7 +2,8 @@
 //!
 //! A plane that comes from beyond an edge of the image is less likely the pixel's own. The way is a
 //! straight one along a row, a column or a diagonal, so the change is the difference of two running
-//! sums: one pixel costs the same however long its ways are.
+//! sums: one pixel costs the same however long its ways are. Those along rows and columns become part of its
+//! [note](super::notes).
 
 use raster::Plane;
 use rayon::prelude::*;
@@ -15,7 +16,7 @@ const NOISE: u8 = 3;
 const LARGEST: u8 = 40;
 
 /// The ways that there are.
-pub(super) const WAYS: usize = 4;
+const WAYS: usize = 4;
 
 /// Of each way, per pixel the sum of the steps before it. Sums wrap around, as do their differences.
 #[derive(Default)]

@@ -9,7 +9,7 @@
 //! belong together. A judge without it has `V of_pixel` in place of `V c`. `u_k` belongs to the place that candidate
 //! `k` comes from. What scores come to says the [`verdict`](super::verdict).
 //!
-//! Pixels of one row are worked on side by side, in whole numbers of 16 bits
+//! Pixels of a few rows are worked on side by side, in whole numbers of 16 bits
 //! ([`crate::kernels::products`]): all levels give the same bits. Only the score is a floating-point
 //! number; it is summed in the same order everywhere and without fused multiply-adds.
 

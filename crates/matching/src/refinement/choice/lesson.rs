@@ -68,10 +68,13 @@ at_every_level! {
         for k in 0..block.candidates() {
             known.disparities.push(block.disparities[k][0]);
             known.inside.push(block.inside[k][0] > 0.0);
-            let votes = block.votes(products, k / 2);
-            block.hints(products, compared, k, &votes[k % 2], &mut hints);
-            for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
-                of_each.push(hint[0]);
+        }
+        for pair in 0..block.candidates() / 2 {
+            for (i, votes) in block.votes(products, pair).iter().enumerate() {
+                block.hints(products, compared, 2 * pair + i, votes, &mut hints);
+                for (of_each, hint) in known.of_each.iter_mut().zip(&hints) {
+                    of_each.push(hint[0]);
+                }
             }
         }
         Some(known)

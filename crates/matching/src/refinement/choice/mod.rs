@@ -46,16 +46,16 @@ pub(crate) use self::jury::Jury;
 pub(crate) use self::lesson::Lesson;
 pub use self::lesson::{Known, Pixel};
 use self::moved::Moved;
+use self::notes::Notes;
 use self::reach::Reach;
 pub(crate) use self::rounds::Choices;
-use self::undecided::undecided;
 use self::verdict::{Verdict, verdict};
 use self::windows::Windows;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::products::Products;
 use crate::profile::Work;
 
-/// So many rows are worked on together: pixels that are asked are gathered into full blocks, and the last one of
+/// So many rows are worked on together: pixels that are not settled are gathered into full blocks, and the last one of
 /// a row mostly is not full.
 const TOGETHER: usize = 8;
 
@@ -68,7 +68,7 @@ pub(crate) struct Worker {
     marks: Vec<bool>,
     counts: Vec<u8>,
     /// Those of them that are not settled.
-    places: Vec<undecided::Place>,
+    unsettled: Vec<undecided::At>,
     block: Block,
     mind: Mind,
 }
@@ -76,18 +76,24 @@ pub(crate) struct Worker {
 impl Worker {
     /// What it takes for a map of so many columns, in images of a width.
     fn bytes(columns: usize, width: usize) -> usize {
-        let marks = TOGETHER * (size_of::<bool>() + size_of::<undecided::Place>()) + 1;
+        let marks = TOGETHER * (size_of::<bool>() + size_of::<undecided::At>()) + 1;
         size_of::<Self>() + 2 * Windows::bytes(width, TOGETHER) + marks * columns
     }
 
     /// Takes it, whether there will be rows to do or not.
     fn reset(&mut self, columns: usize, width: usize) {
         self.windows.iter_mut().for_each(|windows| windows.reset(width, TOGETHER));
-        self.marks.clear();
-        self.marks.resize(TOGETHER * columns, true);
-        self.counts.resize(columns, 0);
-        self.places.resize(TOGETHER * columns, [0; 2]);
+        taken(&mut self.marks, TOGETHER * columns, true);
+        taken(&mut self.counts, columns, 0);
+        taken(&mut self.unsettled, TOGETHER * columns, [0; 2]);
     }
+}
+
+/// Takes memory for so many samples and no more.
+fn taken<T: Copy>(samples: &mut Vec<T>, count: usize, value: T) {
+    samples.clear();
+    samples.reserve_exact(count);
+    samples.resize(count, value);
 }
 
 /// Lets the pixels of some rows of `scene` choose, into `out`: all, or those that see where the map `moved`
@@ -111,7 +117,7 @@ fn choose(
     let lines = Mutex::new(rows.step_by(TOGETHER).zip(lines));
     let next = || lines.lock().expect("no worker fails while it takes rows").next();
     let chosen = workers.par_iter_mut().map(|worker| {
-        let Worker { windows, marks, counts, places, block, mind } = worker;
+        let Worker { windows, marks, counts, unsettled, block, mind } = worker;
         let mut chosen = 0;
         while let Some((first, (out, certainty))) = next() {
             let before = first * columns..first * columns + out.len();
@@ -120,26 +126,28 @@ fn choose(
                 None => certainty.fill(CERTAIN),
                 Some(_) => certainty.copy_from_slice(&scene.certainty.samples()[before]),
             }
-            let mut wanted = [true; TOGETHER];
             let marks = &mut marks[..out.len()];
             if let Some(moved) = moved {
-                let of_rows = marks.chunks_exact_mut(columns).zip(&mut wanted).enumerate();
-                for (row, (marks, wanted)) in of_rows {
-                    *wanted = moved.seen_from(level, reach, first + row, counts, marks);
+                for (row, marks) in marks.chunks_exact_mut(columns).enumerate() {
+                    moved.seen_from(level, reach, first + row, counts, marks);
                 }
             }
+            let count = undecided::undecided(level, scene, reach, first, marks, unsettled);
+            let pixels = &unsettled[..count];
+            let mut wanted = [false; TOGETHER];
+            pixels.iter().for_each(|&[_, row]| wanted[row as usize - first] = true);
             let rows = (first, out.len() / columns);
             let compared = Compared::rows(level, scene, windows, rows, |row| wanted[row]);
-            let count = undecided(level, scene, reach, first, marks, places);
             let (judge, memory) = ((reach, judge), (&mut *block, &mut *mind));
             let answer = (first, &mut *out, certainty);
-            chosen += choose_for(level, judge, scene, &compared, &places[..count], memory, answer);
+            chosen += choose_for(level, judge, scene, &compared, pixels, memory, answer);
         }
         chosen
     });
-    // Values are copied, certainty written. In rows that are asked, values, slopes, notes and the right view
-    // are read, the choice written; edges are read in four ways; reasons and the looks of both views are bytes.
-    Work::bytes((2 * 4 + 1 + 4 * (4 + 1) + 2 * 4 + 1 + 2 * 3) * samples.len())
+    // Values are copied, certainty written. In rows that are asked, values and slopes are read for who is not settled,
+    // then notes, the edges of two ways more and the right view, the choice is written; reasons and the looks of both
+    // views are bytes.
+    Work::bytes((2 * 4 + 1 + 2 * 4 + Notes::bytes(1) + 2 * 2 + 2 * 4 + 1 + 2 * 3) * samples.len())
         + judge.work() * chosen.sum::<usize>()
 }
 
@@ -150,7 +158,7 @@ at_every_level! {
         judge: (&Reach, &Judge),
         scene: &Scene<'_>,
         compared: &Compared<'_>,
-        pixels: &[undecided::Place],
+        pixels: &[undecided::At],
         memory: (&mut Block, &mut Mind),
         answer: (usize, &mut [f32], &mut [u8]),
     ) -> usize {
@@ -182,44 +190,44 @@ fn decide(
     judge: &Judge,
     given: &Given<'_>,
     compared: &Compared<'_>,
-    asked: &mut Block,
+    block: &mut Block,
     mind: &mut Mind,
 ) -> Verdict {
-    asked.compare(products, given, compared);
-    let pairs = asked.candidates() / 2;
+    block.compare(products, given, compared);
+    let pairs = block.candidates() / 2;
     // Where nobody has to hear all candidates first, hints are used before they leave the nearest cache.
     if judge.has_context() {
         for pair in 0..pairs {
-            hear(products, asked, compared, pair, 2 * pair, mind);
+            hear(products, block, compared, pair, 2 * pair, mind);
         }
-        judge.look(products, &asked.of_pixel, mind);
+        judge.look(products, &block.of_pixel, mind);
         for pair in 0..pairs {
             judge.score(products, 2 * pair, 2 * pair, mind);
         }
     } else {
-        judge.look(products, &asked.of_pixel, mind);
+        judge.look(products, &block.of_pixel, mind);
         for pair in 0..pairs {
-            hear(products, asked, compared, pair, 0, mind);
+            hear(products, block, compared, pair, 0, mind);
             judge.score(products, 2 * pair, 0, mind);
         }
     }
     let Mind { scores, odds, .. } = mind;
-    verdict(products, asked, scores, odds)
+    verdict(products, block, scores, odds)
 }
 
 /// Lets the mind hear of a pair of candidates, after so many others.
 #[inline(always)]
 fn hear(
     products: impl Products,
-    asked: &Block,
+    block: &Block,
     compared: &Compared<'_>,
     pair: usize,
     others: usize,
     mind: &mut Mind,
 ) {
-    let votes = asked.votes(products, pair);
+    let votes = block.votes(products, pair);
     for i in 0..2 {
-        asked.hints(products, compared, 2 * pair + i, &votes[i], &mut mind.hints);
+        block.hints(products, compared, 2 * pair + i, &votes[i], &mut mind.hints);
         mind.hear(products, others + i);
     }
 }
@@ -294,10 +302,11 @@ mod tests {
             let mut strip = Strip::default();
             let given = self.given();
             strip.look(level, &given, reach, self.values.size(), &(0..self.values.rows()));
-            strip.know(level, &given, slopes_of, &self.certainty, &self.reasons);
+            let rows = 0..self.values.rows();
             let Strip { slopes, grey, edges, notes, .. } = &mut strip;
             let (values, certainty, reasons) = (&self.values, &self.certainty, &self.reasons);
             let doubtful = &self.doubtful;
+            slopes.compute(level, slopes_of, reach.every, rows);
             let sources = Sources { values, certainty, reasons, doubtful, grey, slopes, edges };
             notes.take(level, 0, sources);
             self.strip = strip;
@@ -428,9 +437,12 @@ mod tests {
             [1, 3, 31, 32, 33, COLUMNS].into_iter().flat_map(|n| [(n, &NARROW), (n, &WIDE)])
         {
             let reach = &Reach { every: 1, ..*reach };
-            // Some of it lies beyond the ends of the range.
-            let mut world = World::new(Plane::from_fn(columns, ROWS, |x, _| {
-                truth(x + FIRST) + if x % 7 == 0 { 22.0 * chance.share() - 5.0 } else { 0.0 }
+            // Parts lie above the range and parts below, where planes differ by nothing but what lies beyond it.
+            let mut world = World::new(Plane::from_fn(columns, ROWS, |x, _| match x / 12 % 4 {
+                0 => 25.0 + 9.0 * chance.share(),
+                1 => -5.0 - 9.0 * chance.share(),
+                _ if x % 7 == 0 => truth(x + FIRST) + 5.0 * chance.share(),
+                _ => truth(x + FIRST),
             }));
             world.reasons = world.values.map(|_| match chance.below(20) {
                 0 => Reason::OccludedFilled,
@@ -445,18 +457,47 @@ mod tests {
                 let marks: Vec<bool> =
                     (0..rows * columns).map(|_| !nobody && chance.below(3) > 0).collect();
                 let places = (first..first + rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
-                let expected: Vec<undecided::Place> = (places.zip(&marks))
+                let expected: Vec<undecided::At> = (places.zip(&marks))
                     .filter(|&(place, marked)| *marked && is_undecided(&scene, reach, place))
                     .map(|((x, y), _)| [x as i32, y as i32])
                     .collect();
                 assert!(nobody || columns < 31 || !expected.is_empty());
                 for level in Level::available() {
                     let mut found = vec![[0; 2]; rows * columns];
-                    let count = undecided(level, &scene, reach, first, &marks, &mut found);
+                    let count =
+                        undecided::undecided(level, &scene, reach, first, &marks, &mut found);
                     assert_eq!(found[..count], expected, "{columns} columns, {}", level.name());
                 }
             }
         }
+    }
+
+    #[test]
+    fn beyond_the_ends_of_the_map_its_rows_are_repeated() {
+        let mut chance = Chance(7);
+        let level = Level::detect();
+        let mut world = World::new(Plane::from_fn(COLUMNS, ROWS, |_, _| 20.0 * chance.share()));
+        world.certainty = world.values.map(|_| chance.bits(8) as u8);
+        world.doubtful = world.values.map(|_| true);
+        world.see(&WIDE, &world.values.clone());
+        let mut outside = 0;
+        for (y, x) in (0..ROWS).flat_map(|y| (0..COLUMNS).map(move |x| (y, x))) {
+            let known = Known::of(level, &world.scene(&world.given()), &WIDE, (x, y)).unwrap();
+            for (k, place) in WIDE.places.iter().enumerate() {
+                let (column, row) = (x as i32 + place.columns, y as i32 + place.rows);
+                let v = if (0..ROWS as i32).contains(&row) { row as usize } else { y };
+                let u = column.clamp(0, COLUMNS as i32 - 1) as usize;
+                let is_inside = (u as i32, v as i32) == (column, row);
+                assert_eq!(known.inside[k], is_inside, "candidate {k} of ({x}, {y})");
+                let sure = certainty::share(world.certainty.row(v)[u]);
+                let [there, here] = [(u, v), (x, y)].map(|(x, y)| world.grey[0].row(y)[x + FIRST]);
+                let shade = f32::from(there.abs_diff(here)) * 0.05;
+                let found = [hint::CONFIDENCE, hint::SHADE].map(|hint| known.of_each[hint][k]);
+                assert_eq!(found, [sure, shade], "candidate {k} of ({x}, {y})");
+                outside += usize::from(!is_inside);
+            }
+        }
+        assert!(outside > 10_000, "{outside} candidates come from beyond the ends");
     }
 
     #[test]

@@ -165,6 +165,22 @@ pub(super) fn rise([along, down]: Slope, [columns, rows]: [f32; 2]) -> f32 {
     (f32::from(along) * columns + f32::from(down) * rows) * (1.0 / STEPS)
 }
 
+/// The plane of a pixel, a disparity and its slope, continued over so many columns and rows, within the range; or, of
+/// one outside the map, what stands `here`.
+#[inline(always)]
+pub(super) fn continued(
+    (disparity, slope): (f32, Slope),
+    way: [f32; 2],
+    is_inside: bool,
+    here: f32,
+    [least, most]: [f32; 2],
+) -> f32 {
+    // From there to here it is the other way.
+    let d = if is_inside { disparity - rise(slope, way) } else { here };
+    let d = if d < least { least } else { d };
+    if d > most { most } else { d }
+}
+
 /// How steep a plane is, the sum of both ways.
 #[inline(always)]
 pub(super) fn steep([along, down]: Slope) -> f32 {

@@ -20,8 +20,8 @@ use crate::profile::Work;
 /// At least so many rows are worked on at once, and less than twice as many.
 const LEAST: usize = 192;
 
-/// The looks of both images, the slopes of a map and the edges of the left image, in some of their rows.
-/// Of slopes and edges there are those of the pixels that are asked.
+/// The looks of both images, the slopes of a map, grey values and edges of the left image, and notes, in some of their
+/// rows: all but looks of the pixels that are matched.
 #[derive(Default)]
 pub(crate) struct Strip {
     /// The row of the map at which it begins.

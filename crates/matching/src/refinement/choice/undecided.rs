@@ -4,11 +4,11 @@ use raster::Reason;
 
 use super::block::Scene;
 use super::reach::Reach;
-use super::slopes::rise;
+use super::slopes::continued;
 use crate::kernels::level::at_every_level;
 
 /// The column and the row of a pixel in the map.
-pub(super) type Place = [i32; 2];
+pub(super) type At = [i32; 2];
 
 /// Neighbours that are looked at together.
 const TOGETHER: usize = 32;
@@ -21,7 +21,7 @@ at_every_level! {
         reach: &Reach,
         first: usize,
         marks: &[bool],
-        found: &mut [Place],
+        found: &mut [At],
     ) -> usize {
         let columns = scene.values.columns();
         let mut count = 0;
@@ -80,11 +80,8 @@ pub(super) fn undecided_from(
         // Which of them lie inside the map.
         let inside = [-u, columns as i64 - u].map(|end| end.clamp(0, TOGETHER as i64) as u32);
         for l in 0..TOGETHER {
-            let d = values[l] - rise(slopes[l], way);
             let is_inside = (l as u32 >= inside[0]) & ((l as u32) < inside[1]);
-            let d = if is_inside { d } else { here[l] };
-            let d = if d < least { least } else { d };
-            let d = if d > most { most } else { d };
+            let d = continued((values[l], slopes[l]), way, is_inside, here[l], [least, most]);
             smallest[l] = if d < smallest[l] { d } else { smallest[l] };
             largest[l] = if d > largest[l] { d } else { largest[l] };
         }
