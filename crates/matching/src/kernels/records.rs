@@ -113,8 +113,8 @@ mod x86 {
                         *at = places[first + every * i] as usize;
                     }
                     let $records = records.as_ptr().cast::<__m128i>();
-                    // SAFETY: whoever called vouched for the places, and whoever made `self` for the instructions; records
-                    // begin where such vectors may.
+                    // SAFETY: whoever called vouched for the places, and whoever made `self` for the
+                    // instructions; records begin where such vectors may.
                     unsafe { $together }
                 }
             }
@@ -154,8 +154,8 @@ mod x86 {
                     let mut words = [Line([0; LANES]); 2];
                     for part in 0..2 * Self::PARTS {
                         let first = 2 * Self::WIDE * part;
-                        // SAFETY: as above; the words of all records are as many parts, and lines begin where any vector
-                        // may.
+                        // SAFETY: as above; the words of all records are as many parts, and lines begin
+                        // where any vector may.
                         unsafe {
                             let a = self.side_by_side(records, places, first, 2);
                             let b = self.side_by_side(records, places, first + 1, 2);

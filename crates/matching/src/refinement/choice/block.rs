@@ -1,13 +1,13 @@
 //! What pixels can choose from, and what is known of each candidate.
 //!
 //! Candidates are the planes of a pixel itself and of others around it, continued to where it lies. Pixels of a few
-//! rows are worked on together, those that are not settled and no others. Where not all pixels are matched, maps hold those
-//! that are.
+//! rows are worked on together, those that are not settled and no others. Where not all pixels are matched, maps hold
+//! those that are.
 
 use raster::{Plane, Reason, View};
 
 use super::hint::{self, Hints};
-use super::notes::{Mark, Words};
+use super::notes::{Mark, Noted};
 use super::reach::{MOST, Place, Reach};
 use super::relations::{Relations, SAME, in_turns};
 use super::slopes::{continued, steep};
@@ -167,7 +167,7 @@ impl Block {
         let (least, most) = (scene.given.least, scene.given.most);
         // The first candidate is the pixel's own.
         let (at_own, _) = self.seen(scene, &reach.places[0]);
-        let own = Words::of(products, notes.samples(), &at_own);
+        let own = Noted::of(products, notes.samples(), &at_own);
         let here = own.disparities;
         let sums_here = [
             own.sums(true),
@@ -178,7 +178,7 @@ impl Block {
         let (mut smallest, mut largest) = (here, here);
         for (k, place) in reach.places.iter().enumerate() {
             let (at, inside) = self.seen(scene, place);
-            let words = Words::of(products, notes.samples(), &at);
+            let words = Noted::of(products, notes.samples(), &at);
             let sums = match place.way {
                 way @ ..2 => words.sums(way == 0),
                 way => *products.samples(edges.samples(way), &at),

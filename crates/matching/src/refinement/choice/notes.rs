@@ -23,15 +23,15 @@ fn note(disparity: f32, slope: Slope, mark: Mark, sums: [u16; 2]) -> Record {
     Record([both(disparity.to_bits(), slope), both(mark.0, word(sums))])
 }
 
-/// The notes of some pixels, word by word.
-pub(super) struct Words {
+/// What is noted of some pixels, word by word.
+pub(super) struct Noted {
     pub disparities: Lanes,
     slopes: Line<[u32; LANES]>,
     marks: Line<[u32; LANES]>,
     sums: Line<[u32; LANES]>,
 }
 
-impl Words {
+impl Noted {
     /// Those that lie at some places.
     #[inline(always)]
     pub fn of(records: impl Records, notes: &[Record], places: &Places) -> Self {
@@ -131,8 +131,8 @@ impl Mark {
     }
 }
 
-/// What there is to be noted of the pixels of a map: of all of them their disparities, how sure they are, their reasons, and
-/// where descriptors were asked, which may be nowhere; of some rows grey values, slopes and edges.
+/// What there is to be noted of the pixels of a map: of all of them their disparities, how sure they are, their
+/// reasons, and where descriptors were asked, which may be nowhere; of some rows grey values, slopes and edges.
 #[derive(Clone, Copy)]
 pub(crate) struct Sources<'a> {
     pub values: &'a Plane<f32>,
@@ -253,7 +253,7 @@ mod tests {
                 let filled = reasons.row(top + y)[x] != Reason::Matched;
                 let doubtful = !doubtful.samples().is_empty() && doubtful.row(top + y)[x];
                 let words =
-                    Words::of(Plain, notes.samples(), &Line([(y * columns + x) as u32; LANES]));
+                    Noted::of(Plain, notes.samples(), &Line([(y * columns + x) as u32; LANES]));
                 let l = x % LANES;
                 assert_eq!(words.disparities[l], values.row(top + y)[x]);
                 assert_eq!(words.slope(l), slopes.row(y)[x]);

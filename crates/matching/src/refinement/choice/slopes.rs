@@ -12,6 +12,7 @@ use std::ops::Range;
 use raster::Plane;
 use rayon::prelude::*;
 
+use super::taken;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::{self, REACH, SIDE, median_of_5_rows};
 use crate::kernels::rounding::nearest;
@@ -85,8 +86,7 @@ impl Band {
     fn reset(&mut self, columns: usize) {
         let Self { along, down, medians } = self;
         for row in along.iter_mut().chain(down).chain(medians) {
-            row.reserve_exact(columns.saturating_sub(row.len()));
-            row.resize(columns, 0);
+            taken(row, columns, 0);
         }
     }
 

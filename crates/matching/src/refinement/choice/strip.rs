@@ -132,7 +132,7 @@ impl Strip {
 #[cfg(test)]
 mod tests {
     use super::super::block::LANES;
-    use super::super::notes::{Mark, Words};
+    use super::super::notes::{Mark, Noted};
     use super::super::reach::{NARROW, WIDE};
     use super::*;
     use crate::chance::Chance;
@@ -187,7 +187,7 @@ mod tests {
             notes.take(level, 0, sources);
             let marks = |notes: &Notes, y: usize| -> Vec<Mark> {
                 let places = (y * columns..(y + 1) * columns).map(|at| Line([at as u32; LANES]));
-                places.map(|at| Words::of(Plain, notes.samples(), &at).mark(0)).collect()
+                places.map(|at| Noted::of(Plain, notes.samples(), &at).mark(0)).collect()
             };
             let mut strip = Strip::default();
             let mut seen = 0;

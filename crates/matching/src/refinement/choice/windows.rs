@@ -6,6 +6,7 @@
 
 use super::block::LANES;
 use super::looks::Looks;
+use super::taken;
 use crate::cost::census_gradient::LARGEST_STEP;
 use crate::kernels::aligned::Line;
 use crate::kernels::level::{Level, at_every_level};
@@ -96,9 +97,7 @@ impl Windows {
 
     /// Takes the memory for so many rows of so many columns.
     pub fn reset(&mut self, columns: usize, rows: usize) {
-        self.0.clear();
-        self.0.reserve_exact(columns * rows);
-        self.0.resize(columns * rows, Record::default());
+        taken(&mut self.0, columns * rows, Record::default());
     }
 
     /// Those of row `y` of what was looked at, of an image as wide as the rows that there is memory for, as row
