@@ -11,7 +11,7 @@ use crate::ui::Ui;
 #[derive(clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
-    /// Calibration of Middlebury, ETH3D or KITTI, P1 and P2 of OpenCV in YAML, or ROS's of the right camera, its
+    /// Calibration of Middlebury, ETH3D or KITTI, P1 and P2 or Q of OpenCV in YAML, or ROS's of the right camera, its
     /// CameraInfo included (`hazcam info FILE` shows what is in it)
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,

@@ -30,7 +30,7 @@ pub(super) fn parse(entries: &Entries<'_>) -> Result<Calibration, FormatError> {
         let problem = format!(
             "a pair is needed, {grey_left} and {grey_right} or {colour_left} and {colour_right}"
         );
-        entries.fail(None, problem)
+        entries.lacks(problem)
     })?;
     let size = size(entries)?;
     let calibration = Calibration::of(CalibrationLayout::Kitti, camera)

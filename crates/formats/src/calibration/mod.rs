@@ -5,6 +5,7 @@
 //! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
 //! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
 //! | OpenCV's YAML | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
+//! | the same without one of these | `Q` of `stereoRectify`, 4 x 4 | `1 / Q[3][2]`, in that unit | `doffs = Q[3][3] / Q[3][2]` |
 //! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4; `P` or `p` of a `CameraInfo` that was printed | `-P[0][3] / f`, metres | as the left one, `doffs = 0` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
 //!
@@ -59,7 +60,7 @@ pub enum CalibrationLayout {
     Middlebury,
     /// KITTI 2012, 2015 and raw.
     Kitti,
-    /// `P1` and `P2` in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the squares
+    /// `P1` and `P2`, or `Q`, in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the squares
     /// that the cameras were calibrated with. It is taken as metres.
     OpenCv,
     /// `projection_matrix` in the YAML file of a pair's right camera, as ROS keeps it, or its `CameraInfo` as it is
@@ -149,8 +150,8 @@ const SAME_ROW: f64 = 0.5;
 
 /// Reads a calibration file; which layout it has is decided by its content.
 ///
-/// Errors: [`FormatError::WrongKind`] when it is no text or has none of the layouts,
-/// [`FormatError::Malformed`] with the line's offset when a number is missing or not usable.
+/// Errors: [`FormatError::WrongKind`] when it is no text, has none of the layouts, or lacks something that a pair
+/// needs, [`FormatError::Malformed`] with the line's offset when a number is not usable.
 pub fn read_calibration(path: impl AsRef<Path>) -> Result<Calibration, FormatError> {
     parse(&Source::open(path.as_ref())?)
 }
@@ -175,7 +176,7 @@ pub fn write_calibration(
 
 /// What a file that is no calibration would have to be.
 const NEEDED: &str = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
-                      P_rect_02: and P_rect_03: (KITTI), P1 and P2 in a .yml of OpenCV's, the \
+                      P_rect_02: and P_rect_03: (KITTI), P1 and P2 or Q in a .yml of OpenCV's, the \
                       projection_matrix of ROS's right camera, or f=, cx0=, cx1=, cy= and baseline_m=; or \
                       give the focal length in pixels and the baseline in metres";
 
@@ -278,7 +279,7 @@ impl<'a> Entries<'a> {
                 "baseline_m" => ": give the distance between the cameras in metres",
                 _ => "",
             };
-            self.fail(None, format!("`{key}` is missing{remedy}"))
+            self.lacks(format!("`{key}` is missing{remedy}"))
         })
     }
 
@@ -344,6 +345,26 @@ impl<'a> Entries<'a> {
         Err(self.fail(None, problem))
     }
 
+    /// Errors unless a matrix has in a row and a column what that of a rectified pair has there.
+    fn holds(
+        &self,
+        name: &str,
+        (row, column): (usize, usize),
+        number: f64,
+        expected: f64,
+    ) -> Result<(), FormatError> {
+        // Not where it is no number.
+        if (number - expected).abs() <= EXACT {
+            return Ok(());
+        }
+        let problem = format!(
+            "{name} has {number} in row {}, column {}: the camera of a rectified pair has {expected} there",
+            row + 1,
+            column + 1
+        );
+        Err(self.fail(None, problem))
+    }
+
     /// Errors unless two matrices of three rows, which begin as `[f 0 cx; 0 f cy; ..]` does, are those of a rectified
     /// pair: of one focal length, with things in the same rows of both images.
     fn rectified<const N: usize>(
@@ -363,16 +384,8 @@ impl<'a> Entries<'a> {
         ];
         for (at, expected) in fixed {
             for (name, number) in names.into_iter().zip(of_both(at)) {
-                // Also where it is no number.
-                let holds = (number - expected).abs() <= EXACT;
-                if !holds {
-                    let (row, column) = (at / second_row + 1, at % second_row + 1);
-                    let problem = format!(
-                        "{name} has {number} in row {row}, column {column}: the camera of a rectified pair has \
-                         {expected} there"
-                    );
-                    return Err(self.fail(None, problem));
-                }
+                let place = (at / second_row, at % second_row);
+                self.holds(name, place, number, expected)?;
             }
         }
         let [focal, of_other] = of_both(0);
@@ -432,6 +445,11 @@ impl<'a> Entries<'a> {
                 if exchanged { ": are the left and the right camera exchanged?" } else { "" };
             self.fail(None, format!("{error}{remedy}"))
         })
+    }
+
+    /// What is said of a calibration that is sound, but does not tell of a pair.
+    fn lacks(&self, needed: String) -> FormatError {
+        self.source.wrong_kind("a calibration", needed)
     }
 
     fn fail(&self, at: impl Into<Option<u64>>, problem: String) -> FormatError {

@@ -1,8 +1,10 @@
 //! YAML files of OpenCV's `FileStorage`, with the matrices of `stereoRectify`.
 //!
 //! `P1 = [f 0 cx1 0; 0 f cy 0; 0 0 1 0]`, `P2 = [f 0 cx2 -f b; 0 f cy 0; 0 0 1 0]`, where `b` is in the unit of the
-//! squares that the cameras were calibrated with.
+//! squares that the cameras were calibrated with; or, where they are not there, what makes points of disparities,
+//! `Q = [1 0 0 -cx1; 0 1 0 -cy; 0 0 0 f; 0 0 1/b (cx2 - cx1)/b]`.
 
+use camera::StereoCamera;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -20,6 +22,8 @@ struct Storage {
     left: Option<Matrix>,
     #[serde(rename = "P2")]
     right: Option<Matrix>,
+    #[serde(rename = "Q")]
+    reprojection: Option<Matrix>,
     /// As the calibration programs of OpenCV write it.
     image_width: Option<f64>,
     image_height: Option<f64>,
@@ -40,18 +44,23 @@ pub(super) fn is_opencv(text: &str) -> bool {
     BEGINNINGS.iter().any(|beginning| text.starts_with(beginning))
 }
 
-/// The pair of `P1` and `P2`.
+/// The pair of `P1` and `P2`, or of `Q`.
 pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, FormatError> {
     // From the end of the first line on, so that lines are counted right.
     let body = &text[text.find('\n').unwrap_or(text.len())..];
     let storage: Storage = yaml::read(entries, body)?;
-    let (Some(left), Some(right)) = (storage.left, storage.right) else {
-        let problem = "P1 and P2, which stereoRectify gives, are not both there (Q alone is not \
-                       read); without them give the focal length in pixels and the baseline in metres";
-        return Err(entries.fail(None, problem.into()));
+    let camera = match (storage.left, storage.right, storage.reprojection) {
+        (Some(left), Some(right), _) => {
+            let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];
+            entries.projected(["P1", "P2"], &[left, right])?
+        }
+        (_, _, Some(reprojection)) => reprojected(entries, reprojection)?,
+        _ => {
+            let problem = "neither P1 and P2 nor Q, which stereoRectify gives, are there; without \
+                           them give the focal length in pixels and the baseline in metres";
+            return Err(entries.lacks(problem.into()));
+        }
     };
-    let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];
-    let camera = entries.projected(["P1", "P2"], &[left, right])?;
     let (names, stated) = match storage.image_size {
         Some(ImageSize::Size(size)) => (["image_size"; 2], size.map(Some)),
         Some(ImageSize::Other(IgnoredAny)) | None => {
@@ -62,11 +71,24 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
     Ok(Calibration::of(CalibrationLayout::OpenCv, camera).sized(size))
 }
 
+/// The pair of `Q`.
+fn reprojected(entries: &Entries<'_>, matrix: Matrix) -> Result<StereoCamera, FormatError> {
+    let numbers: [f64; 16] = matrix.numbers(entries, "Q", [4, 4])?;
+    let row = |row: usize| &numbers[4 * row..][..4];
+    let fixed = [(0, 0, 1.0), (1, 1, 1.0), (0, 1, 0.0), (0, 2, 0.0), (1, 0, 0.0), (1, 2, 0.0)];
+    let below = [(2, 0, 0.0), (2, 1, 0.0), (2, 2, 0.0), (3, 0, 0.0), (3, 1, 0.0)];
+    for (down, along, expected) in fixed.into_iter().chain(below) {
+        entries.holds("Q", (down, along), row(down)[along], expected)?;
+    }
+    let baseline = 1.0 / row(3)[2];
+    // Not -0, which OpenCV writes where both principal points are in one column.
+    entries.camera(row(2)[3], baseline, row(3)[3] * baseline + 0.0, -row(0)[3], -row(1)[3])
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::{read, refused};
     use super::*;
-    use camera::StereoCamera;
 
     /// As OpenCV 4 writes it; f = 700, 0.12 apart.
     const SAMPLE: &str = "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
@@ -86,6 +108,38 @@ mod tests {
                 StereoCamera::new(700.0, 0.12, 4.0, 320.5, 240.0).unwrap()
             );
         }
+    }
+
+    /// Of the same pair.
+    const REPROJECTION: &str = "%YAML:1.0\n---\nQ: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   \
+        data: [ 1., 0., 0., -320.5, 0., 1., 0., -240., 0., 0., 0., 700., 0., 0.,\n       8.3333333333333339, \
+        33.333333333333336 ]\nimage_width: 640\nimage_height: 480\n";
+
+    #[test]
+    fn what_makes_points_of_disparities_is_the_same_camera() {
+        let numbers = |camera: StereoCamera| {
+            let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = camera;
+            [focal_px, baseline_m, doffs, cx, cy]
+        };
+        let expected = read(SAMPLE).unwrap().camera;
+        let calibration = read(REPROJECTION).unwrap();
+        assert_eq!((calibration.width, calibration.height), (Some(640), Some(480)));
+        for (own, expected) in numbers(calibration.camera).into_iter().zip(numbers(expected)) {
+            assert!((own - expected).abs() < 1e-12 * expected, "{:?}", calibration.camera);
+        }
+        // Where the projections are there too they count.
+        let (_, reprojection) = REPROJECTION.split_once("---\n").unwrap();
+        assert_eq!(read(&format!("{SAMPLE}{reprojection}")).unwrap().camera, expected);
+        refused(
+            REPROJECTION,
+            &[
+                ("cols: 4", "cols: 3", "Q is 4 x 3 with 16 numbers, but must be 4 x 4 with 16"),
+                ("[ 1., 0.,", "[ 1., 0.5,", "Q has 0.5 in row 1, column 2"),
+                ("8.3333333333333339", "-8.3", "exchanged"),
+                ("8.3333333333333339", "0.", "baseline"),
+                ("700.,", ".nan,", "focal length"),
+            ],
+        );
     }
 
     #[test]
@@ -112,7 +166,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         let changes = [
-            ("P2:", "P3:", "P1 and P2"),
+            ("P2:", "P3:", "is a calibration, but neither P1 and P2 nor Q"),
             (
                 "P1: !!opencv-matrix\n   rows: 3",
                 "P1: !!opencv-matrix\n   rows: 2",

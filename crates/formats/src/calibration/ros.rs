@@ -61,7 +61,7 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
             "{name} is that of a left camera or of one alone, its fourth number is 0: give the right camera's file, \
              which has the baseline"
         );
-        return Err(entries.fail(None, problem));
+        return Err(entries.lacks(problem));
     }
     let mut left = right;
     left[3] = 0.0;

@@ -18,17 +18,7 @@ pub(super) struct Matrix {
 impl Matrix {
     /// The 3 x 4 numbers of a projection of one of two cameras that stand side by side.
     pub fn projection(self, entries: &Entries<'_>, name: &str) -> Result<[f64; 12], FormatError> {
-        let Self { rows, cols, data } = self;
-        let wrong = |numbers: usize| {
-            let problem = format!(
-                "{name} is {rows} x {cols} with {numbers} numbers, but must be 3 x 4 with 12"
-            );
-            entries.fail(None, problem)
-        };
-        if (rows, cols) != (3, 4) {
-            return Err(wrong(data.len()));
-        }
-        let numbers: [f64; 12] = data.try_into().map_err(|data: Vec<f64>| wrong(data.len()))?;
+        let numbers: [f64; 12] = self.numbers(entries, name, [3, 4])?;
         if numbers[7] != 0.0 {
             let problem = format!(
                 "{name} has its camera below the other one, but pairs stand side by side here"
@@ -36,6 +26,25 @@ impl Matrix {
             return Err(entries.fail(None, problem));
         }
         Ok(numbers)
+    }
+
+    /// The numbers of a matrix that must have so many rows and columns.
+    pub fn numbers<const N: usize>(
+        self,
+        entries: &Entries<'_>,
+        name: &str,
+        needed: [usize; 2],
+    ) -> Result<[f64; N], FormatError> {
+        let Self { rows, cols, data } = self;
+        let count = data.len();
+        let numbers = data.try_into().ok().filter(|_| [rows, cols] == needed);
+        numbers.ok_or_else(|| {
+            let [lines, columns] = needed;
+            let problem = format!(
+                "{name} is {rows} x {cols} with {count} numbers, but must be {lines} x {columns} with {N}"
+            );
+            entries.fail(None, problem)
+        })
     }
 }
 
