@@ -242,6 +242,10 @@ at_every_level! {
         let (left_words, left_steps) = (left.words.row(y), left.steps.row(y));
         let (words, steps) = (right.words.row(y), right.steps.row(y));
         let farthest = (space.width + space.lanes) as i64;
+        // What lies beyond the disparities costs 255, in fewer lanes than one vector has.
+        let last = space.lanes - LANES;
+        let beyond: [u8; LANES] =
+            std::array::from_fn(|i| if last + i < space.count { 0 } else { 255 });
         for (x, costs) in costs.chunks_exact_mut(space.lanes).enumerate() {
             let place = space.mirrored(space.in_image(x)) + space.lanes as i64;
             let place = place.clamp(0, farthest) as usize;
@@ -258,8 +262,8 @@ at_every_level! {
                 let descriptors = &right.descriptors.row(y)[place..place + space.lanes];
                 add_descriptors(weights.descriptor, left.descriptors.row(y)[x], descriptors, costs);
             }
-            if space.count < space.lanes {
-                costs[space.count..].fill(255);
+            for (cost, beyond) in costs[last..].iter_mut().zip(&beyond) {
+                *cost |= beyond;
             }
         }
     }

@@ -6,10 +6,13 @@ mod outputs;
 mod profile;
 mod sidecar;
 
+use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::thread;
 
 use anyhow::{Context, bail};
+use formats::FormatError;
 use matching::{Holes, Matcher, Options, Preset};
 use raster::{BoundingBox, DisparityRange, Image};
 
@@ -140,8 +143,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let inputs = [Some(&args.left), Some(&args.right), file_of_box].into_iter().flatten();
     outputs.check(&inputs.map(PathBuf::as_path).collect::<Vec<_>>())?;
 
-    let (mut left, left_read) = Input::read(&args.left)?;
-    let (mut right, right_read) = Input::read(&args.right)?;
+    let [(mut left, left_read), (mut right, right_read)] = read_both(&args)?;
     check_pair(&args, &left, &right)?;
     for (path, read) in [(&args.left, &left_read), (&args.right, &right_read)] {
         for what in &read.unused {
@@ -202,6 +204,21 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.print(&profile::table(&matcher, bounds))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The left and the right image, at the same time where there may be two threads: of large ones it takes as long as
+/// `fast` needs to match them.
+fn read_both(args: &Args) -> Result<[(Image, Input); 2], FormatError> {
+    let Args { left, right, threads, .. } = args;
+    if *threads == Some(1) {
+        return Ok([Input::read(left)?, Input::read(right)?]);
+    }
+    thread::scope(|scope| {
+        let right = scope.spawn(|| Input::read(right));
+        let left = Input::read(left);
+        let right = right.join().unwrap_or_else(|panic| resume_unwind(panic));
+        Ok([left?, right?])
+    })
 }
 
 /// Errors that name the files rather than "left" and "right".
