@@ -85,6 +85,10 @@ def test_maps_of_another_size_than_the_images_are_refused_and_a_scaled_camera_ta
     for times in (0, -1, float("nan")):
         with pytest.raises(hazcam.ArgumentError, match="times"):
             camera.scaled(times)
+    for size in ([640, 480], np.array([640, 480]), (np.int64(640), 480)):
+        given = hazcam.StereoCamera(800, 0.25, size=size)
+        assert given == hazcam.StereoCamera(800, 0.25, size=(640, 480)) and hash(given)
+        assert [type(number) for number in given.size] == [int, int]
     for size in ((0, 5), (5,), (1, 2, 3), 7):
         with pytest.raises(hazcam.ArgumentError, match="size"):
             hazcam.StereoCamera(800, 0.25, size=size)

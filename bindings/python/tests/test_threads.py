@@ -119,6 +119,10 @@ def test_a_matcher_keeps_what_others_make_of_it():
     without = hazcam.Matcher("balanced", without=iter(["median"]))
     assert "without=('median',)" in repr(without)
     assert repr(pickle.loads(pickle.dumps(without))) == repr(without)
+    largest = np.array(9)
+    matcher = hazcam.Matcher("fast", largest)
+    largest[...] = 5
+    assert repr(matcher).startswith("hazcam.Matcher('fast', 9, ")
 
 
 def test_a_matcher_travels_as_what_it_is_made_of():

@@ -23,6 +23,11 @@ def test_the_stub_is_what_is_there():
     run("mypy.stubtest", "hazcam._hazcam")
 
 
+def test_aliases_can_be_put_together_when_a_program_runs():
+    for alias in (hazcam.Image, hazcam.Preset, hazcam.Holes):
+        assert alias | None != alias
+
+
 def test_types_are_right():
     run("mypy", "--strict", str(SOURCES))
 

@@ -70,6 +70,42 @@ fn an_owner_has_one_entry_and_a_name_one_owner() {
 }
 
 #[test]
+fn the_same_hand_in_keeps_its_time_and_place_and_another_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.sqlite");
+    let mut board = begin(&path);
+    let of = |id: &str, handin: Option<&str>, tests: &str| Entry {
+        handin: handin.map(str::to_owned),
+        tests: tests.to_owned(),
+        ..entry(id)
+    };
+    let first = of("first", Some("a"), "t");
+    board.add("her", &first, &[], &[]).unwrap();
+    board.add("him", &of("second", Some("b"), "t"), &[], &[]).unwrap();
+    // So that a second more or less does not decide.
+    let long_ago = "2020-01-01T00:00:00Z";
+    let database = rusqlite::Connection::open(&path).unwrap();
+    database
+        .execute(
+            "UPDATE entry SET added = ?1, content = json_set(content, '$.added', ?1)",
+            [long_ago],
+        )
+        .unwrap();
+    assert_eq!(names(&board), ["first", "second"]);
+    board.add("her", &first, &[], &[]).unwrap();
+    assert_eq!(names(&board), ["first", "second"]);
+    let kept = board.entry_of("her").unwrap().unwrap();
+    assert_eq!((&kept.added[..], kept.is_of_the_same(&first)), (long_ago, true));
+    assert_eq!(board.entry_of("nobody").unwrap(), None);
+    // Other files, and engines, of which nobody knows whether they are the same.
+    for other in [of("first", Some("c"), "t"), of("first", None, "t"), of("first", None, "t")] {
+        board.add("her", &other, &[], &[]).unwrap();
+        assert_eq!(names(&board), ["second", "first"]);
+        assert_ne!(board.entry_of("her").unwrap().unwrap().added, long_ago);
+    }
+}
+
+#[test]
 fn a_guessed_owner_replaces_only_an_entry_of_the_same_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut board = begin(&folder.path().join("board.sqlite"));
@@ -94,6 +130,8 @@ fn names_are_changed_and_taken_off() {
     board.add("her", &entry("rude word"), &[picture], &[]).unwrap();
     board.add("him", &entry("polite"), &[], &[]).unwrap();
     board.rename("Rude Word", "removed by teacher").unwrap();
+    let kept = serde_json::to_string(&board.entries().unwrap()).unwrap();
+    assert!(!kept.contains("Rude Word"), "{kept}");
     assert_eq!(names(&board), ["removed by teacher", "polite"]);
     assert_eq!(board.pictures("removed by teacher").unwrap().len(), 1);
     assert!(matches!(board.rename("polite", "Removed by teacher"), Err(BoardError::Taken(_))));

@@ -11,7 +11,7 @@ They run on one thread, as the course's limit of CPU time counts those of all.
 from __future__ import annotations
 
 import operator
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +22,7 @@ from .matcher import Preset, match
 
 
 def stereo_disparity_fast(
-    Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: int
+    Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: SupportsIndex
 ) -> NDArray[np.float32]:
     """Disparities by the matcher ``fast``.
 
@@ -57,14 +57,14 @@ def stereo_disparity_fast(
 
 
 def stereo_disparity_best(
-    Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: int
+    Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: SupportsIndex
 ) -> NDArray[np.float32]:
     """Disparities by the matcher ``best``; the rest is as in :func:`stereo_disparity_fast`."""
     return _stereo_disparity("best", Il, Ir, bbox, maxd)
 
 
 def _stereo_disparity(
-    preset: Preset, Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: int
+    preset: Preset, Il: NDArray[Any], Ir: NDArray[Any], bbox: ArrayLike, maxd: SupportsIndex
 ) -> NDArray[np.float32]:
     left, right = _grey("Il", Il), _grey("Ir", Ir)
     box = _box(bbox, left.shape)
@@ -121,7 +121,7 @@ def _box(bbox: ArrayLike, shape: tuple[int, ...]) -> tuple[int, int, int, int]:
     return x0, y0, x1, y1
 
 
-def _largest(maxd: int) -> int:
+def _largest(maxd: SupportsIndex) -> int:
     """The largest disparity, where it is one."""
     needed = f"a whole number of pixels from 0 to {FARTHEST} is needed"
     try:

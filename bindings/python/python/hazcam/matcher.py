@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import partial
+from operator import index
 from typing import Any, Literal, SupportsIndex, TypeAlias
 
 import numpy as np
@@ -13,7 +14,7 @@ from . import _hazcam
 from .disparity_map import DisparityMap, VerticalDisparity
 from .doubts import warn
 
-Image: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
+Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]
 Preset: TypeAlias = Literal["fast", "balanced", "best"]
 Holes: TypeAlias = Literal["fill", "keep"]
 
@@ -75,11 +76,12 @@ class Matcher:
         self._matcher = _hazcam.Matcher(
             preset, max_disparity, min_disparity, threads, memory, holes, without
         )
-        self._searched = (preset, max_disparity)
+        # Numbers, not what they were given as: an array may become another one.
+        self._searched = (preset, index(max_disparity))
         self._options: dict[str, Any] = {
-            "min_disparity": min_disparity,
-            "threads": threads,
-            "memory": memory,
+            "min_disparity": index(min_disparity),
+            "threads": None if threads is None else index(threads),
+            "memory": None if memory is None else index(memory),
             "holes": holes,
             "without": without,
         }

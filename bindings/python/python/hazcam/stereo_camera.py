@@ -53,6 +53,9 @@ class StereoCamera:
 
     def __post_init__(self) -> None:
         doubt = _hazcam.check_camera(self)
+        if self.size is not None:
+            columns, rows = self.size
+            object.__setattr__(self, "size", (int(columns), int(rows)))
         if doubt is not None:
             warn(doubt)
 

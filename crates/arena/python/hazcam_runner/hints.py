@@ -62,6 +62,11 @@ _ERRORS = (
         "scipy.ndimage, windows in scipy.signal.windows",
     ),
     (
+        "ImportError",
+        r"attempted relative import",
+        "a submission is a folder and no package: write `from common import name`, without the dot",
+    ),
+    (
         "RuntimeError",
         r"can't start new thread",
         "a submission gets one processor and a few threads: do without",

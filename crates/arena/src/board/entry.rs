@@ -12,13 +12,17 @@ pub struct Entry {
     pub secret_id: String,
     /// Whether it is shown for comparison only.
     pub baseline: bool,
-    /// When it was added, in UTC (`2026-01-31T12:00:00Z`). Set by the board.
+    /// When it was added, in UTC (`2026-01-31T12:00:00Z`). Set by the board; the same hand-in, graded again by the
+    /// same tests, keeps its time.
     #[serde(default)]
     pub added: String,
     /// The [fingerprint](super::tests_fingerprint) of the scheme's tests; empty in entries of older boards, of
     /// which nobody knows.
     #[serde(default)]
     pub tests: String,
+    /// The digest of the files that were handed in; `None` of engines, and in entries of older boards.
+    #[serde(default)]
+    pub handin: Option<String>,
     /// The scheme's tests.
     pub report: Report,
     /// The test on the hold-out.
@@ -28,6 +32,11 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// Whether the same files were graded by the same tests, as far as that is known.
+    pub fn is_of_the_same(&self, other: &Self) -> bool {
+        self.handin.is_some() && (&self.handin, &self.tests) == (&other.handin, &other.tests)
+    }
+
     /// CPU time of all tests and the hold-out, where it is known of all.
     pub fn cpu_seconds(&self) -> Option<f64> {
         Some(self.report.cpu_seconds()? + self.holdout.usage.cpu_seconds?)

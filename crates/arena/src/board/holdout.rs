@@ -82,10 +82,11 @@ impl Holdout {
                 scheme.tests.len()
             )));
         };
-        if test.max_p_bad == 0.0 {
-            return Err(wrong(
-                "max_p_bad is 0, but p_bad is divided by it: it must be greater than 0".into(),
-            ));
+        if test.points != 0.0 {
+            return Err(wrong(format!(
+                "points is {}, but a hold-out gives none, it ranks: write 0",
+                test.points
+            )));
         }
         let source = scheme.scenes.get(&test.scene).ok_or_else(|| {
             wrong(format!("it has no [scene.{0}]; the test is on `{0}`", test.scene))
@@ -108,6 +109,7 @@ impl Holdout {
         let mut scene = self
             .source
             .load(&self.test.scene, Path::new(""), render)
+            .and_then(|scene| scene.check_range(self.test.max_disparity).map(|()| scene))
             .map_err(|problem| BoardError::Holdout(format!("cannot be used: {problem}")))?;
         // It holds the seed or, as pictures, the truth.
         scene.secrets.push(board.to_owned());
@@ -217,7 +219,11 @@ mod tests {
         assert!(refused("nonsense").contains("holdout.toml"));
         let scene = "[scene.s]\nleft = 'l.png'\nright = 'r.png'\ntruth = 't.pfm'\n";
         let strictest = test.replace("max_p_bad = 0.1", "max_p_bad = 0");
-        assert!(refused(&format!("{strictest}{scene}")).contains("max_p_bad is 0, but p_bad is"));
+        assert!(refused(&format!("{strictest}{scene}")).contains("max_p_bad is 0, but it must"));
+        let paying = test.replace("points = 0", "points = 7");
+        assert!(
+            refused(&format!("{paying}{scene}")).contains("points is 7, but a hold-out gives none")
+        );
         std::fs::write(&path, format!("{test}{scene}")).unwrap();
         let holdout = Holdout::read(&path).unwrap();
         let SceneSource::Files { left, .. } = &holdout.source else { panic!("files") };

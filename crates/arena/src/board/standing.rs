@@ -87,6 +87,7 @@ pub(crate) mod tests {
             baseline: false,
             added: "2026-01-31T12:00:00Z".into(),
             tests: String::new(),
+            handin: None,
             report,
             holdout,
             machine: "a machine".into(),

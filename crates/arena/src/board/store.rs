@@ -154,6 +154,14 @@ impl Board {
         same_tests(&self.connection, &self.path, owner.into(), (scheme, tests))
     }
 
+    /// What the board has of an owner.
+    pub fn entry_of(&self, owner: &str) -> Result<Option<Entry>, BoardError> {
+        let kept = earlier_of(&self.connection, owner).map_err(|source| self.failed(source))?;
+        let entry =
+            kept.map(|(_, secret_id, content)| Ok(Entry { secret_id, ..self.parse(&content)? }));
+        entry.transpose()
+    }
+
     /// Everybody, earliest first.
     pub fn entries(&self) -> Result<Vec<Entry>, BoardError> {
         let failed = |source| self.failed(source);
@@ -222,7 +230,8 @@ impl Board {
         let others = ("SELECT secret_id FROM entry WHERE folded != ?", &*folded(from));
         nobody_looks_like(&transaction, &path, to, others)?;
         let changed = transaction.execute(
-            "UPDATE entry SET secret_id = ?, folded = ? WHERE folded = ?",
+            "UPDATE entry SET secret_id = ?1, folded = ?2, content = \
+             json_set(content, '$.secret_id', ?1, '$.report.secret_id', ?1) WHERE folded = ?3",
             params![to, folded(to), folded(from)],
         );
         match changed {
@@ -355,7 +364,18 @@ fn nobody_looks_like(
     Ok(())
 }
 
-/// Writes an entry with all that belongs to it, in the place of its owner's earlier one.
+/// The number, the name and the content of an owner's entry.
+fn earlier_of(
+    connection: &Connection,
+    owner: &str,
+) -> rusqlite::Result<Option<(i64, String, String)>> {
+    let query = "SELECT id, secret_id, content FROM entry WHERE owner = ?";
+    let row = |row: &rusqlite::Row<'_>| Ok((row.get(0)?, row.get(1)?, row.get(2)?));
+    connection.query_row(query, [owner], row).optional()
+}
+
+/// Writes an entry with all that belongs to it, in the place of its owner's earlier one. The same hand-in keeps its
+/// place among others that do as well.
 fn replace(
     transaction: &Transaction<'_>,
     owner: &str,
@@ -363,15 +383,26 @@ fn replace(
     pictures: &[Picture],
     truths: &[SceneTruth],
 ) -> rusqlite::Result<()> {
-    entry.added =
-        transaction
-            .query_row("SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')", [], |row| row.get(0))?;
+    let earlier = earlier_of(transaction, owner)?;
+    let same = earlier.and_then(|(id, _, content)| {
+        let earlier: Entry = serde_json::from_str(&content).ok()?;
+        earlier.is_of_the_same(&entry).then_some((id, earlier.added))
+    });
+    let now = || {
+        let query = "SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')";
+        transaction.query_row(query, [], |row| row.get(0))
+    };
+    let id;
+    (id, entry.added) = match same {
+        Some((id, added)) => (Some(id), added),
+        None => (None, now()?),
+    };
     let content = serde_json::to_string(&entry).expect("an entry is plain data");
     let key = folded(&entry.secret_id);
     transaction.execute("DELETE FROM entry WHERE owner = ?", [owner])?;
     transaction.execute(
-        "INSERT INTO entry (owner, secret_id, folded, added, content) VALUES (?, ?, ?, ?, ?)",
-        params![owner, entry.secret_id, key, entry.added, content],
+        "INSERT INTO entry (id, owner, secret_id, folded, added, content) VALUES (?, ?, ?, ?, ?, ?)",
+        params![id, owner, entry.secret_id, key, entry.added, content],
     )?;
     let number = transaction.last_insert_rowid();
     for Picture { test, disparity, error } in pictures {

@@ -10,8 +10,10 @@ use super::verdict::Failure;
 use crate::engine::exchange;
 use crate::engine::protocol::Job;
 
-/// A share of pixels that equal the truth to the last bit above which no matcher comes by itself.
+/// A share of pixels that are the truth, to the last bit or nearly, above which no matcher comes by itself.
 const SUSPICIOUS: f64 = 0.9;
+/// Nearly, in pixels: half of what matchers find on the average is farther off, even where truth is exact.
+const NEARLY: f64 = 0.05;
 
 /// The course's two numbers for one answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +28,9 @@ pub struct Scores {
     pub clipped: usize,
     /// The share of the pixels counted that equal the truth to the last bit.
     pub identical: f64,
+    /// The share that is off by at most 0.05 px; 0 in entries of older boards.
+    #[serde(default)]
+    pub nearly: f64,
     /// What was counted, and how.
     pub protocol: String,
 }
@@ -33,7 +38,7 @@ pub struct Scores {
 impl Scores {
     /// Whether the answer looks as if it had been copied from the truth.
     pub fn looks_copied(&self) -> bool {
-        self.identical > SUSPICIOUS
+        self.identical.max(self.nearly) > SUSPICIOUS
     }
 }
 
@@ -67,16 +72,20 @@ pub(super) fn score(
     let course = score::course(&pixels).ok_or_else(|| {
         failed(format!("scene {}: its truth is zero everywhere in the box", scene.id))
     })?;
-    let identical = pixels
-        .iter()
-        .filter(|pixel| pixel.truth != 0.0 && pixel.estimate == Some(pixel.truth))
-        .count();
+    let within = |most: f64| {
+        let is_within = |truth: f64, estimate: f64| (estimate - truth).abs() <= most;
+        let counted = pixels.iter().filter(|pixel| pixel.truth != 0.0);
+        let found =
+            counted.filter(|pixel| pixel.estimate.is_some_and(|own| is_within(pixel.truth, own)));
+        found.count() as f64 / course.pixels as f64
+    };
     let scores = Scores {
         e_rms: course.e_rms,
         p_bad: course.p_bad,
         pixels: course.pixels,
         clipped,
-        identical: identical as f64 / course.pixels as f64,
+        identical: within(0.0),
+        nearly: within(NEARLY),
         protocol: course.protocol,
     };
     Ok((disparity, scores))
@@ -158,8 +167,14 @@ mod tests {
         let scores = scored(vec![1.0, 2.0, 99.0, f32::NAN, -5.0, 0.0, 20.0, 1e9]).unwrap();
         assert_eq!((scores.pixels, scores.clipped), (4, 3));
         assert_eq!(scores.e_rms, ((9.0 + 16.0) / 4.0f64).sqrt());
-        assert_eq!((scores.p_bad, scores.identical), (0.5, 0.5));
+        assert_eq!((scores.p_bad, scores.identical, scores.nearly), (0.5, 0.5, 0.5));
         assert!(!scores.looks_copied());
+        // The truth with something added to it, so that no bit is the same.
+        let moved = |by: f32| {
+            scored([1.0, 2.0, 0.0, 0.0, 3.0, 0.0, 4.0, 0.0].map(|d| d + by).to_vec()).unwrap()
+        };
+        assert_eq!((moved(0.04).identical, moved(0.04).nearly), (0.0, 1.0));
+        assert!(moved(0.04).looks_copied() && !moved(0.06).looks_copied());
     }
 
     #[test]

@@ -165,8 +165,9 @@ impl Grader<'_> {
         }
         if scores.looks_copied() {
             remarks.push(format!(
-                "suspicious: {:.0} % of the scored pixels equal the truth to the last bit",
-                scores.identical * 100.0
+                "suspicious: {:.0} % of the scored pixels equal the truth to the last bit, {:.0} % to 0.05 px",
+                scores.identical * 100.0,
+                scores.nearly * 100.0
             ));
         }
         remarks.extend(second.and_then(|second| disagreement(&disparity, second, scene.bounds)));

@@ -10,7 +10,7 @@ use crate::engine::Usage;
 use crate::submission::{Finding, Part};
 
 /// How points are given, for reports.
-pub const PROTOCOL: &str = "A test gives its points when E_RMS and p_bad are both at most at their \
+pub const PROTOCOL: &str = "A test gives its points when E_RMS and p_bad are both below their \
 thresholds, else none. Both are taken over the pixels of the box (inclusive) with known, nonzero \
 truth; values outside [0, max_disparity] are brought to the nearer end and counted. CPU time is \
 user and system time of the entrant's process, read from outside between sending the images and \
@@ -61,9 +61,9 @@ pub struct TestResult {
     pub message: Option<String>,
     /// The two numbers, when there is an answer.
     pub scores: Option<Scores>,
-    /// The largest E_RMS that passes, in pixels.
+    /// E_RMS passes below this, in pixels.
     pub max_e_rms: f64,
-    /// The largest p_bad that passes.
+    /// p_bad passes below this.
     pub max_p_bad: f64,
     /// The limit of CPU time in seconds.
     pub cpu_limit_seconds: f64,
@@ -85,11 +85,11 @@ pub struct TestResult {
 }
 
 impl TestResult {
-    /// Whether both numbers are at most at their thresholds.
+    /// Whether both numbers are below their thresholds.
     pub fn passes(&self) -> bool {
         self.scores
             .as_ref()
-            .is_some_and(|scores| scores.e_rms <= self.max_e_rms && scores.p_bad <= self.max_p_bad)
+            .is_some_and(|scores| scores.e_rms < self.max_e_rms && scores.p_bad < self.max_p_bad)
     }
 
     /// Why there are no points, in one text; `None` when there are.
@@ -99,22 +99,22 @@ impl TestResult {
         }
         let scores = self.scores.as_ref()?;
         let mut parts = Vec::new();
-        if scores.e_rms > self.max_e_rms {
-            let e_rms = above(scores.e_rms, self.max_e_rms, 2);
-            parts.push(format!("E_RMS {e_rms} px is above {}", self.max_e_rms));
+        if scores.e_rms >= self.max_e_rms {
+            let e_rms = not_below(scores.e_rms, self.max_e_rms, 2);
+            parts.push(format!("E_RMS {e_rms} px is not below {}", self.max_e_rms));
         }
-        if scores.p_bad > self.max_p_bad {
-            let p_bad = above(scores.p_bad, self.max_p_bad, 4);
-            parts.push(format!("p_bad {p_bad} is above {}", self.max_p_bad));
+        if scores.p_bad >= self.max_p_bad {
+            let p_bad = not_below(scores.p_bad, self.max_p_bad, 4);
+            parts.push(format!("p_bad {p_bad} is not below {}", self.max_p_bad));
         }
         (!parts.is_empty()).then(|| parts.join(", "))
     }
 }
 
-/// A number that is above a limit, with as many digits at the least, and so many that one sees it.
-fn above(number: f64, limit: f64, digits: usize) -> String {
+/// A number that is not below a limit, with as many digits at the least, and so many that one sees it.
+fn not_below(number: f64, limit: f64, digits: usize) -> String {
     let shown = |digits: usize| format!("{number:.digits$}");
-    let is_seen = |text: &String| text.parse().is_ok_and(|shown: f64| shown > limit);
+    let is_seen = |text: &String| text.parse().is_ok_and(|shown: f64| shown >= limit);
     (digits..20).map(shown).find(is_seen).unwrap_or_else(|| number.to_string())
 }
 

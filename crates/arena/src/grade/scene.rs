@@ -51,6 +51,22 @@ impl Scene {
         Ok(Self { id: id.to_owned(), left, right, truth, non_occluded, bounds, secrets })
     }
 
+    /// Errors where most of what is scored lies beyond the largest disparity that is asked for: then the truth is read
+    /// at the wrong scale, or nobody can answer.
+    pub fn check_range(&self, max_disparity: u32) -> Result<(), String> {
+        let truths = self.bounds.pixels().map(|(x, y)| self.truth.row(y)[x]);
+        let scored: Vec<f32> = truths.filter(|truth| truth.is_finite() && *truth != 0.0).collect();
+        let beyond = scored.iter().filter(|&&truth| truth > max_disparity as f32).count();
+        if 2 * beyond <= scored.len() {
+            return Ok(());
+        }
+        Err(format!(
+            "{:.0} % of its truth lies beyond max_disparity, {max_disparity}: is it stored as something else \
+             (`truth_encoding`, such as \"png8/4\" for 8-bit PNG in quarters of a pixel), or max_disparity too small?",
+            100.0 * beyond as f64 / scored.len() as f64
+        ))
+    }
+
     /// The same scene, asked for and scored within this box only.
     fn within(mut self, bounds: Option<&str>) -> Result<Self, String> {
         let Some(bounds) = bounds else { return Ok(self) };
@@ -108,8 +124,14 @@ pub fn load_scenes(
     render: Render<'_>,
 ) -> Scenes {
     let mut scenes = Scenes::new();
-    for id in scheme.tests.iter().map(|test| &test.scene) {
-        if scenes.contains_key(id) {
+    for test in &scheme.tests {
+        let id = &test.scene;
+        if let Some(loaded) = scenes.get(id) {
+            let checked =
+                loaded.as_ref().map_or(Ok(()), |scene| scene.check_range(test.max_disparity));
+            if let Err(problem) = checked {
+                scenes.insert(id.clone(), Err(format!("scene {id}: {problem}")));
+            }
             continue;
         }
         let scene = match (scheme.scenes.get(id), cases.iter().find(|case| case.id == *id)) {
@@ -117,6 +139,7 @@ pub fn load_scenes(
             (None, Some(case)) => Scene::load(case),
             (None, None) => Err(format!("it is not among the data sets; {remedy}")),
         };
+        let scene = scene.and_then(|scene| scene.check_range(test.max_disparity).map(|()| scene));
         scenes.insert(id.clone(), scene.map_err(|problem| format!("scene {id}: {problem}")));
     }
     scenes
@@ -125,6 +148,30 @@ pub fn load_scenes(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn most_of_a_scenes_truth_can_be_found() {
+        let image = Image::Grey8(Plane::filled(5, 1, 0));
+        // Outside of the box, without a truth, and 0, which is none.
+        let truth = Plane::new(5, 1, vec![99.0, 40.0, f32::NAN, 20.0, 0.0]).unwrap();
+        let scene = Scene {
+            id: "wall".into(),
+            left: image.clone(),
+            right: image,
+            truth,
+            non_occluded: None,
+            bounds: BoundingBox::new(1, 0, 4, 0).unwrap(),
+            secrets: Vec::new(),
+        };
+        for enough in [20, 40, 55] {
+            assert_eq!(scene.check_range(enough), Ok(()));
+        }
+        let problem = scene.check_range(19).unwrap_err();
+        assert!(
+            problem.starts_with("100 % of its truth lies beyond max_disparity, 19"),
+            "{problem}"
+        );
+    }
 
     #[test]
     fn every_file_that_tells_the_truth_is_a_secret() {

@@ -40,9 +40,9 @@ pub struct Test {
     pub scene: String,
     /// The largest disparity to search, in pixels, inclusive; the smallest is 0.
     pub max_disparity: u32,
-    /// The largest root mean square error that passes, in pixels.
+    /// The root mean square error passes below this, in pixels.
     pub max_e_rms: f64,
-    /// The largest share of bad pixels that passes.
+    /// The share of bad pixels passes below this.
     pub max_p_bad: f64,
     /// Points when both pass.
     pub points: f64,
@@ -130,6 +130,10 @@ impl TryFrom<SceneFields> for SceneSource {
             },
             None => match first(&of_rendered) {
                 Some(_) => Err(missing("kind", RENDERED)),
+                None if left.is_some() && left == right => {
+                    Err("`left` and `right` are one file: a pair shows the scene from two places"
+                        .into())
+                }
                 None => Ok(Self::Files {
                     left: left.ok_or_else(|| missing("left", FILES))?,
                     right: right.ok_or_else(|| missing("right", FILES))?,
@@ -202,7 +206,11 @@ impl Test {
             true => Ok(()),
             false => Err(format!("{field} is {value}, but it must be a number greater than 0")),
         };
+        if self.name.trim().is_empty() {
+            return Err("name is blank: reports and boards tell tests apart by it".into());
+        }
         positive("max_e_rms", self.max_e_rms)?;
+        positive("max_p_bad", self.max_p_bad)?;
         positive("cpu_seconds", self.cpu_seconds)?;
         if self.cpu_seconds > MOST_SECONDS {
             return Err(format!(
@@ -210,18 +218,18 @@ impl Test {
                 self.cpu_seconds
             ));
         }
-        if !(0.0..=1.0).contains(&self.max_p_bad) {
+        if self.max_p_bad > 1.0 {
             return Err(format!(
-                "max_p_bad is {}, but it is a share and must be from 0 to 1",
+                "max_p_bad is {}, but it is a share and must be at most 1",
                 self.max_p_bad
             ));
         }
         if !(self.points.is_finite() && self.points >= 0.0) {
             return Err(format!("points is {}, but it must be 0 or more", self.points));
         }
-        if self.max_disparity > 4096 {
+        if !(1..=4096).contains(&self.max_disparity) {
             return Err(format!(
-                "max_disparity is {}, but it must be at most 4096 pixels",
+                "max_disparity is {}, but it must be from 1 to 4096 pixels",
                 self.max_disparity
             ));
         }
@@ -260,6 +268,9 @@ mod tests {
         assert!(refused("Part 1, Teddy", "Part 1, Cones").contains("names must be unique"));
         assert!(refused("points = 6", "point = 6").contains("unknown field `point`"));
         assert!(refused("cpu_seconds = 600", "cpu_seconds = 0").contains("greater than 0"));
+        assert!(refused("Part 1, Cones", " ").contains("name is blank"));
+        assert!(refused("max_disparity = 55", "max_disparity = 0").contains("from 1 to 4096"));
+        assert!(refused("max_p_bad = 0.17", "max_p_bad = 0").contains("greater than 0"));
         let text = refused("cpu_seconds = 600", "cpu_seconds = 1e300");
         assert!(text.contains("must be at most 1000000 seconds"), "{text}");
         let none = Scheme::parse("name = 'x'\ntest = []", Path::new("a")).unwrap_err();
@@ -277,6 +288,7 @@ mod tests {
         for (scene, words) in [
             (format!("{files}boks = '0,0,1,1'"), "unknown field `boks`"),
             (files.replace("right", "truth_encoding"), "`right` is missing: a scene in files has"),
+            (files.replace("r.png", "l.png"), "`left` and `right` are one file"),
             (format!("{rendered}columns = -4"), "invalid value: integer `-4`"),
             (format!("{rendered}colums = 4"), "unknown field `colums`"),
             ("kind = 'mars'".into(), "`seed` is missing: a rendered scene has kind and seed"),

@@ -5,6 +5,8 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::error::SubmissionError;
 use super::finding::Finding;
 
@@ -173,6 +175,29 @@ pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError>
     Ok(())
 }
 
+/// The SHA-256 of all files below a folder, with their names.
+pub(super) fn digest(root: &Path) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    let mut left = vec![root.to_owned()];
+    while let Some(path) = left.pop() {
+        let name = path.strip_prefix(root).unwrap_or(&path).as_os_str().as_encoded_bytes();
+        let content = if path.is_dir() {
+            let entries = fs::read_dir(&path)?.map(|entry| Ok(entry?.path()));
+            let mut entries = entries.collect::<io::Result<Vec<PathBuf>>>()?;
+            entries.sort();
+            left.extend(entries);
+            Vec::new()
+        } else {
+            fs::read(&path)?
+        };
+        for part in [name, &content] {
+            hash.update((part.len() as u64).to_le_bytes());
+            hash.update(part);
+        }
+    }
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
 /// The folder in which the course's files are: the copy itself, or one below it when the
 /// submission was packed with its folder. Of several that hold as many it is nobody's to choose one.
 pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, SubmissionError> {
@@ -218,6 +243,35 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
         false => format!("; it has {}: rename them", python_files.join(", ")),
     };
     Err(SubmissionError::NoModules { path: path.to_owned(), hint })
+}
+
+/// A finding for another folder that holds files of the course, neither the one that was chosen nor below it.
+pub(super) fn left_out(staging: &Path, root: &Path) -> io::Result<Option<Finding>> {
+    let mut folders = vec![staging.to_owned()];
+    while let Some(folder) = folders.pop() {
+        if folder == root {
+            continue;
+        }
+        if FILES.iter().any(|file| folder.join(file).is_file()) {
+            let other = folder.strip_prefix(staging).unwrap_or(&folder).display().to_string();
+            let chosen = root.strip_prefix(staging).unwrap_or(root).display().to_string();
+            let text = format!(
+                "it holds files of the course too, and nobody looks at them: those in `{}` are graded",
+                shortened(&chosen)
+            );
+            return Ok(Some(Finding { file: shortened(&other), line: None, text, fatal: false }));
+        }
+        let mut below = Vec::new();
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            if entry.file_type()?.is_dir() {
+                below.push(entry.path());
+            }
+        }
+        below.sort();
+        folders.extend(below.into_iter().rev());
+    }
+    Ok(None)
 }
 
 /// What a notebook's name ends with, and what is to be done with it.

@@ -70,7 +70,7 @@ pub enum SubmissionError {
     },
     /// The course's files are in several folders beside each other.
     #[error(
-        "{} holds several submissions, {} and {} among them: hand in one",
+        "{} holds several submissions, {} and {} among them: hand in one, and grade those of a class one by one",
         path.display(),
         one.display(),
         other.display()

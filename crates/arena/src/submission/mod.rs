@@ -80,13 +80,23 @@ impl Submission {
             false => archive::unpack(path, staging)?,
         }
         let root = contents::find_root(path, staging)?;
-        let findings = contents::missing_files(&root);
+        let mut findings = contents::missing_files(&root);
+        let left_out = contents::left_out(staging, &root)
+            .map_err(|source| SubmissionError::Read { path: staging.to_owned(), source })?;
+        findings.extend(left_out);
         Ok(Self { root, findings })
     }
 
     /// What was noticed about the files' names.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
+    }
+
+    /// The SHA-256 of its files and their names: it tells whether the same was handed in before.
+    pub fn digest(&self) -> Result<String, SubmissionError> {
+        let path = || self.root.clone();
+        contents::digest(&self.root)
+            .map_err(|source| SubmissionError::Read { path: path(), source })
     }
 
     /// A fresh copy for one test, which may change its files.
@@ -103,4 +113,49 @@ pub(crate) fn inspector(runner: &Runner, folder: &Path) -> Command {
 /// The engine that runs one function of the copy of a submission in `folder`.
 pub(crate) fn engine(runner: &Runner, folder: &Path, part: Part) -> Command {
     runner.command(&["run".as_ref(), folder.as_os_str(), part.function().as_ref()])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// A folder with these files, copied; they are there as long as that.
+    fn opened(files: &[&str]) -> (tempfile::TempDir, Submission) {
+        let folder = tempfile::tempdir().unwrap();
+        let (handin, staging) = (folder.path().join("handin"), folder.path().join("staging"));
+        fs::create_dir(&staging).unwrap();
+        for file in files {
+            let path = handin.join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(&path, format!("# {file}")).unwrap();
+        }
+        let opened = Submission::open(&handin, &staging).unwrap();
+        (folder, opened)
+    }
+
+    const WHOLE: [&str; 3] =
+        ["a/secret_id.py", "a/stereo_disparity_fast.py", "a/stereo_disparity_best.py"];
+
+    #[test]
+    fn what_lies_beside_the_chosen_folder_is_told() {
+        assert_eq!(opened(&WHOLE).1.findings(), []);
+        let below = [&WHOLE[..], &["a/old/secret_id.py", "notes/readme.txt"]].concat();
+        assert_eq!(opened(&below).1.findings(), []);
+        let beside = [&WHOLE[..], &["b/secret_id.py"]].concat();
+        let [finding] = opened(&beside).1.findings().to_vec().try_into().unwrap();
+        assert_eq!((&finding.file[..], finding.fatal), ("b", false));
+        assert!(finding.text.contains("those in `a` are graded"), "{finding}");
+    }
+
+    #[test]
+    fn a_digest_tells_files_and_names_apart() {
+        let digest = |files: &[&str]| opened(files).1.digest().unwrap();
+        assert_eq!(digest(&WHOLE), digest(&WHOLE));
+        let digests =
+            [digest(&WHOLE), digest(&WHOLE[..2]), digest(&[&WHOLE[..], &["a/x"]].concat())];
+        assert!(digests[0] != digests[1] && digests[0] != digests[2]);
+        assert_eq!(digests[0].len(), 64);
+    }
 }

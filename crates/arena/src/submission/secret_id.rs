@@ -40,10 +40,13 @@ pub(crate) fn folded(secret_id: &str) -> String {
     lower.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Whether nobody could tell two names apart that are written with other letters: a Cyrillic o, a one for an l (Unicode
-/// Technical Standard 39, confusables).
+/// Whether nobody could tell two names apart that are written with other letters: a Cyrillic o, a one or a capital i for
+/// an l (Unicode Technical Standard 39, confusables). As they are written and in lower case: an I looks like an l, an i
+/// does not.
 pub(crate) fn look_alike(one: &str, other: &str) -> bool {
+    let [one_as_it_is, other_as_it_is] = [one, other].map(|id| id.nfkc().collect::<String>());
     skeleton(&folded(one)).eq(skeleton(&folded(other)))
+        || skeleton(&one_as_it_is).eq(skeleton(&other_as_it_is))
 }
 
 #[cfg(test)]
@@ -112,6 +115,11 @@ mod tests {
         assert_ne!(folded("José"), folded("Jose"));
         for other in ["R\u{43e}ver Fan 1", "rover f\u{430}n l", "Rover Fan 1"] {
             assert!(look_alike("Rover Fan 1", other), "{other:?}");
+        }
+        for (one, other) in
+            [("Iris Team", "lris Team"), ("ROVER FAN", "R0VER FAN"), ("Il1I", "lIIl")]
+        {
+            assert!(look_alike(one, other), "{one:?} {other:?}");
         }
         for other in ["Rover Fan 2", "Rover Fun 1", "R\u{f6}ver Fan 1"] {
             assert!(!look_alike("Rover Fan 1", other), "{other:?}");

@@ -199,11 +199,35 @@ fn hand_ins_of_one_file_name_do_not_replace_each_other() {
     course.done(&with(&["bob/handin", "--owner", "bob"]));
     assert_eq!(course.ranking().len(), 2);
     // The folder where one is has a name as well.
-    let mut command = course.0.command("board", &["add", ".", "--scheme", "../../small.toml"]);
+    let arguments = ["add", ".", "--scheme", "../../small.toml", "--again"];
+    let mut command = course.0.command("board", &arguments);
     command.args(["--board", "../../board.sqlite"]).current_dir(course.0.path("alice/handin"));
     let output = command.output().unwrap();
     let stdout = String::from_utf8(output.stdout).unwrap();
     assert!(stdout.contains("earlier entry `Secret alice/handin` of handin"), "{stdout}");
+}
+
+#[test]
+fn what_is_on_the_board_as_it_is_is_passed_over() {
+    let Some(course) = Course::with_python() else { return };
+    course.0.submission("alice", HONEST);
+    let text = course.done(&with(&["alice"]));
+    assert!(text.contains("Entered `Secret alice`"), "{text}");
+    let text = course.done(&with(&["alice"]));
+    assert!(text.contains("`Secret alice` of alice stands as it is since 2"), "{text}");
+    assert!(!text.contains("limit"), "{text}");
+    for (changed, words) in [
+        (&["alice", "--again"][..], "Entered `Secret alice`"),
+        (&["alice", "--baseline"], "Entered `Secret alice`: a baseline"),
+        (&["alice"], "Entered `Secret alice`: place 1"),
+        (&["alice", "--secret-id", "Other", "--owner", "alice"], "Entered `Other`"),
+    ] {
+        let text = course.done(&with(changed));
+        assert!(text.contains(words), "{changed:?}: {text}");
+    }
+    fs::write(course.0.path("alice/notes.txt"), "changed").unwrap();
+    let text = course.done(&with(&["alice", "--owner", "alice"]));
+    assert!(text.contains("Entered `Secret alice`"), "{text}");
 }
 
 #[test]

@@ -60,7 +60,7 @@ mod tests {
         assert!(xml.contains("<testcase classname=\"her &amp; his\" name=\"One\" time=\"1.500\">"));
         assert!(xml.contains("<failure type=\"OK\" message=\"above a threshold: 0 of 7 points\">"));
         assert!(xml.contains("<failure type=\"RE\" message=\"run-time error: 0 of 7 points\">"));
-        assert!(xml.contains("E_RMS 9.50 px is above 8"));
+        assert!(xml.contains("E_RMS 9.50 px is not below 8"));
         report.tests[2].outcome = Outcome::Xx;
         report.tests[2].message = Some("bell \x07".into());
         let xml = write(&report);

@@ -59,6 +59,7 @@ pub(crate) mod tests {
                 pixels: 5000,
                 clipped: 3,
                 identical: 0.1,
+                nearly: 0.2,
                 protocol: "course".into(),
             }),
             max_e_rms: 8.0,

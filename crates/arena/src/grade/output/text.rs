@@ -42,7 +42,7 @@ pub fn ended(test: &TestResult) -> String {
     let points = if counts { format!("{} points", share(test)) } else { "no points".into() };
     let mut text = format!("  {:<4} {points:>14}", test.outcome);
     if let Some(scores) = &test.scores {
-        let limit = |value: f64| if counts { format!(" (at most {value})") } else { String::new() };
+        let limit = |value: f64| if counts { format!(" (below {value})") } else { String::new() };
         text.push_str(&format!(
             "   E_RMS {:>6.2} px{}   p_bad {:.4}{}",
             scores.e_rms,
@@ -67,7 +67,7 @@ pub fn ended(test: &TestResult) -> String {
         text.push_str(&indented("what it printed, at the end:"));
         let lines: Vec<&str> = test.output.trim_end().lines().collect();
         for line in &lines[lines.len().saturating_sub(5)..] {
-            text.push_str(&indented(&format!("| {}", shortened(line))));
+            text.push_str(&indented(&format!("| {}", shortened(line, PRINTED))));
         }
     }
     text
@@ -123,13 +123,17 @@ fn share(test: &TestResult) -> String {
 }
 
 fn indented(text: &str) -> String {
-    text.lines().map(|line| format!("       {}\n", printable(line))).collect()
+    text.lines().map(|line| format!("       {}\n", printable(&shortened(line, WORDS)))).collect()
 }
 
-/// A line that fits a screen; what a program prints may be one line of a megabyte.
-fn shortened(line: &str) -> String {
-    let beginning: String = line.chars().take(160).collect();
-    if line.chars().nth(160).is_some() { format!("{beginning} ...") } else { beginning }
+/// What is shown of a line: of the words of graders and of what a program printed, which may be one line of a megabyte.
+const WORDS: usize = 800;
+const PRINTED: usize = 160;
+
+/// A line of so many characters at the most.
+fn shortened(line: &str, most: usize) -> String {
+    let beginning: String = line.chars().take(most).collect();
+    if line.chars().nth(most).is_some() { format!("{beginning} ...") } else { beginning }
 }
 
 #[cfg(test)]
@@ -142,12 +146,12 @@ mod tests {
         let text: String = report.tests.iter().map(ended).collect();
         assert_eq!(
             text,
-            "  OK    7 of 7 points   E_RMS   3.27 px (at most 8)   p_bad 0.0833 (at most 0.17)\n       \
+            "  OK    7 of 7 points   E_RMS   3.27 px (below 8)   p_bad 0.0833 (below 0.17)\n       \
              CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
              note: 3 of the 9 pixels were clipped\n  \
-             OK    0 of 7 points   E_RMS   9.50 px (at most 8)   p_bad 0.0833 (at most 0.17)\n       \
+             OK    0 of 7 points   E_RMS   9.50 px (below 8)   p_bad 0.0833 (below 0.17)\n       \
              CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
-             no points: E_RMS 9.50 px is above 8\n  \
+             no points: E_RMS 9.50 px is not below 8\n  \
              RE    0 of 7 points\n       \
              CPU 1.25 of 600 s, wall 1.50 s, peak memory 126 MB, import 0.20 s\n       \
              stereo_disparity_best.py, line 3, in stereo_disparity_best\n           1 / 0\n       \
@@ -172,9 +176,9 @@ mod tests {
     fn what_was_printed_cannot_take_over_the_screen() {
         let mut test = super::super::tests::report().tests.remove(2);
         test.output = format!("\x1b[2J{}\n", "x".repeat(100_000));
-        test.message = Some("ValueError: \x1b]0;mine\x07".into());
+        test.message = Some(format!("ValueError: \x1b]0;mine\x07\u{202e}{}", "y".repeat(100_000)));
         let text = ended(&test);
-        assert!(text.len() < 1000 && !text.contains('\x1b'), "{text}");
+        assert!(text.len() < 2000 && !text.contains(['\x1b', '\u{202e}']), "{text}");
         let finding = Finding {
             file: "a.py".into(),
             line: None,

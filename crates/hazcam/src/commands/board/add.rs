@@ -48,6 +48,11 @@ pub struct Args {
     #[arg(long, help_heading = "Entry")]
     baseline: bool,
 
+    /// Grade a submission that is on the board already as it is, too: it is passed over otherwise, so that the loop
+    /// over a class can be run again
+    #[arg(long, help_heading = "Entry")]
+    again: bool,
+
     /// The hold-out of a board that is begun now: a scheme with one test and its scene, as TOML
     /// [default: a scene rendered from a secret seed]
     #[arg(long, value_name = "FILE", help_heading = "Entry")]
@@ -65,8 +70,8 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if !is_owner(owner.name()) {
         let owner = owner.name();
         bail!(
-            "`{owner}` cannot name an owner: give 1 to 200 printable characters, the first of them none of = + - @, \
-             with --owner"
+            "`{owner}` cannot name an owner: give 1 to 200 printable characters, no space at an end, the first of \
+             them none of = + - @, with --owner"
         );
     }
     if let Some(id) = args.secret_id.as_ref().filter(|id| !is_secret_id(id)) {
@@ -82,6 +87,22 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     // What is refused in the end is refused before the work.
     let tests = tests_fingerprint(workshop.tests());
     board.admit_tests(owner, (&workshop.scheme().name, &tests))?;
+    let handin = match &entrant {
+        Entrant::Submission(submission) => Some(submission.digest()?),
+        _ => None,
+    };
+    if !args.again
+        && let Some(kept) = board.entry_of(owner.name())?
+        && args.stands_as(&kept, handin.as_ref(), &tests)
+    {
+        ui.print(&format!(
+            "`{}` of {} stands as it is since {}: the same files, the same tests (--again grades them again)\n",
+            kept.secret_id,
+            owner.name(),
+            kept.added
+        ))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let given = args.secret_id.clone().or(args.entrant.matcher()).filter(|id| is_secret_id(id));
     if let Some(id) = &given {
         board.admit(owner, id)?;
@@ -136,6 +157,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         baseline: args.baseline,
         added: String::new(),
         tests,
+        handin,
         report,
         holdout: result,
         machine: describe(&Machine::this(None)),
@@ -159,6 +181,15 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;
     Ok(ExitCode::SUCCESS)
+}
+
+impl Args {
+    /// Whether an entry is what would be entered: the same files, graded by the same tests, under the same name.
+    fn stands_as(&self, kept: &Entry, handin: Option<&String>, tests: &str) -> bool {
+        let is_called_so = self.secret_id.as_ref().is_none_or(|id| *id == kept.secret_id);
+        let is_the_same = handin.is_some() && handin == kept.handin.as_ref() && tests == kept.tests;
+        is_the_same && is_called_so && self.baseline == kept.baseline
+    }
 }
 
 /// The board, begun if there is none, with its hold-out as it was when the board was begun.

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use arena::grade::output::{autolab, gradescope, junit, text};
-use arena::grade::{COURSE, Outcome, Report};
+use arena::grade::{COURSE, Event, Outcome, Report};
 
 use super::board;
 use crate::cli::{ERROR, THRESHOLD_FAILED};
@@ -111,7 +111,12 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     tell(&text::header(&grader, &name));
     let inspection = grader.inspect(&entrant);
     tell(&text::findings(&inspection.findings));
-    let report = grader.grade(&name, &entrant, inspection, &mut |event| tell(&text::event(&event)));
+    let report = grader.grade(&name, &entrant, inspection, &mut |event| {
+        if let (Event::Begins(test), false) = (&event, shows_text) {
+            ui.note(format_args!("{}: limit {} CPU s", test.name, test.cpu_seconds));
+        }
+        tell(&text::event(&event));
+    });
     tell(&text::summary(&report));
     if report.grader_failed() && matches!(args.format.as_str(), "autolab" | "gradescope") {
         // They would take the points for the entrant's, and nothing is known of the entrant.
