@@ -32,7 +32,7 @@ fn of_image(doubt: ImageDoubt) -> String {
         )
     };
     match doubt {
-        ImageDoubt::FewLevels(_) => "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes \
+        ImageDoubt::FewLevels(_) => "all samples of `left` and `right` lie in a small part of what they hold, which makes \
                                      matches worse; spread them over all of it, alike in both"
             .to_owned(),
         ImageDoubt::UnequalBits([left, right]) => format!(
@@ -58,6 +58,14 @@ fn of_bits(used: u32) -> String {
 }
 
 fn of_rows(vertical: &VerticalDisparity) -> Option<String> {
+    if let Some(off) = vertical.common_disparity() {
+        return Some(format!(
+            "things stand higher or lower in `right` than in `left`, which was mended (`vertical_disparity` tells how \
+             far); if the cameras are turned against each other about the upright axis, as it looks, all disparities are \
+             off by some {off:.0} px (where the focal length is the images' width), which nothing in them shows: compare a \
+             distance that you know, or rectify the cameras anew"
+        ));
+    }
     if vertical.disparity_error() > VerticalDisparity::TELLING {
         return Some(
             "things stand higher or lower in `right` than in `left`, which was mended (`vertical_disparity` tells how \

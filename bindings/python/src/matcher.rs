@@ -30,7 +30,7 @@ pub struct Matcher {
 }
 
 /// What was mended of the rows: coefficients, root mean square, largest.
-type Vertical = ([f64; 5], f64, f64);
+type Vertical = ([f64; 6], f64, f64);
 
 /// A copy of the answer to one pair.
 struct Answer {

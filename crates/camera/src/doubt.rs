@@ -6,7 +6,7 @@ use crate::StereoCamera;
 
 /// Of cameras that look at scenes: pixels of the focal length at the least, metres of baselines.
 const LEAST_FOCAL: f64 = 10.0;
-const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=20.0;
+const BASELINES: std::ops::RangeInclusive<f64> = 0.001..=5.0;
 /// Principal points lie within so much of the size of images from their middle.
 const OFF_MIDDLE: f64 = 0.25;
 
@@ -41,7 +41,7 @@ impl StereoCamera {
             ))
         } else if !BASELINES.contains(&baseline_m) {
             Some(format!(
-                "the baseline is {} m, which is unusual: was it in metres (Middlebury's calib.txt: millimetres)?",
+                "the baseline is {} m, which is unusual: was it in metres (Middlebury's calib.txt: millimetres; boards mostly in milli- or centimetres)?",
                 baseline_m as f32
             ))
         } else {
@@ -100,9 +100,9 @@ mod tests {
     #[test]
     fn numbers_in_other_units_are_doubted() {
         let about = |focal, baseline| camera(focal, baseline).doubt();
-        assert_eq!([about(700.0, 0.12), about(10.0, 0.001), about(5e3, 20.0)], [None, None, None]);
+        assert_eq!([about(700.0, 0.12), about(10.0, 0.001), about(5e3, 5.0)], [None, None, None]);
         assert!(about(0.004, 0.12).unwrap().contains("focal length is 0.004 px"));
-        for baseline in [1.67e-4, 120.0] {
+        for baseline in [1.67e-4, 19.3, 120.0] {
             assert!(about(700.0, baseline).unwrap().contains("the baseline is"));
         }
     }

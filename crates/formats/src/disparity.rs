@@ -36,14 +36,24 @@ pub fn read_disparity(
     let encoding = encoding.check()?;
     let source = Source::open(path.as_ref())?;
     let container = source.container()?;
+    let read = understood(&source, container, encoding)?;
+    let note = read.note.or_else(|| marked(&read.values));
+    Ok(ReadDisparity { note, ..read })
+}
+
+fn understood(
+    source: &Source,
+    container: Container,
+    encoding: Encoding,
+) -> Result<ReadDisparity, FormatError> {
     match container {
         Container::Pfm => {
-            demand(&source, container, encoding, Encoding::Pfm)?;
-            Ok(floats(pfm::decode(&source)?, Encoding::Pfm))
+            demand(source, container, encoding, Encoding::Pfm)?;
+            Ok(floats(pfm::decode(source)?, Encoding::Pfm))
         }
         Container::Npy => {
-            demand(&source, container, encoding, Encoding::Npy)?;
-            let (values, dtype) = from_npy(&source)?;
+            demand(source, container, encoding, Encoding::Npy)?;
+            let (values, dtype) = from_npy(source)?;
             let scaled = match dtype {
                 npy::Dtype::Int16 => {
                     "OpenCV's matchers give sixteenths, which must be divided by 16 before"
@@ -62,9 +72,9 @@ pub fn read_disparity(
             });
             Ok(ReadDisparity { note, ..floats(values, Encoding::Npy) })
         }
-        Container::Tiff => match tiff::decode(&source)? {
+        Container::Tiff => match tiff::decode(source)? {
             tiff::Content::Floats(values) => {
-                demand(&source, container, encoding, Encoding::Tiff)?;
+                demand(source, container, encoding, Encoding::Tiff)?;
                 Ok(floats(values, Encoding::Tiff))
             }
             tiff::Content::Picture(_) => Err(source.wrong_kind(
@@ -72,8 +82,30 @@ pub fn read_disparity(
                 "a disparity map as TIFF holds float32; integers do not say their scale",
             )),
         },
-        _ => from_grey(&source, container, encoding),
+        _ => from_grey(source, container, encoding),
     }
+}
+
+/// Says that many pixels have one value that looks as if it stood for none, if so: the smallest, below zero, whole, and
+/// by itself, as OpenCV's matchers leave it.
+fn marked(values: &Plane<f32>) -> Option<String> {
+    const MANY: f64 = 0.01;
+    const APART: f32 = 0.5;
+    let known = || values.samples().iter().copied().filter(|value| !value.is_nan());
+    let least = known().fold(f32::INFINITY, f32::min);
+    if !(least < 0.0 && least.is_finite() && least.fract() == 0.0) {
+        return None;
+    }
+    let count = known().filter(|&value| value == least).count();
+    let share = count as f64 / values.samples().len() as f64;
+    let is_alone = known().all(|value| value == least || value > least + APART);
+    (share >= MANY && is_alone).then(|| {
+        format!(
+            "{:.1} % of the pixels are exactly {least}, below all others, and count as disparities; where that stands \
+             for no match, store NaN instead",
+            100.0 * share
+        )
+    })
 }
 
 fn floats(values: Plane<f32>, encoding: Encoding) -> ReadDisparity {

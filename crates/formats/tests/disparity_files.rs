@@ -80,6 +80,24 @@ fn an_unknown_extension_lists_the_known_ones() {
 }
 
 #[test]
+fn what_may_stand_for_no_match_is_told() {
+    let (_folder, path) = place("d.pfm");
+    let told = |values: &[f32]| {
+        write_disparity(&path, &row(values)).unwrap();
+        read_disparity(&path, Encoding::Auto).unwrap().note
+    };
+    let note = told(&[-1.0, 3.25, 0.0, -1.0]).unwrap();
+    assert!(note.starts_with("50.0 % of the pixels are exactly -1, below all others"), "{note}");
+    let mut few = vec![2.5; 200];
+    few[7] = -16.0;
+    for other in
+        [&[0.0, 0.0, 3.25][..], &[-1.5, -1.5, 3.0], &[-1.0, -1.0, -0.75], &[f32::NAN; 3], &few]
+    {
+        assert_eq!(told(other), None, "{other:?}");
+    }
+}
+
+#[test]
 fn a_map_without_pixels_is_not_written() {
     for name in ["d.png", "d.pfm", "d.npy", "d.tiff"] {
         let (folder, path) = place(name);

@@ -26,14 +26,14 @@ pub struct CameraArguments {
     baseline: Option<f64>,
 
     /// Column of the right camera's principal point less that of the left one, in pixels
-    #[arg(long, value_name = "PX", requires = "focal", default_value_t = 0.0)]
-    #[arg(allow_hyphen_values = true)]
+    #[arg(long, value_name = "PX", requires = "focal", conflicts_with = "calibration")]
+    #[arg(default_value_t = 0.0, allow_hyphen_values = true)]
     doffs: f64,
 
     /// Column and row of the principal point, in pixels; points alone need it [default: the middle
     /// of the image]
     #[arg(long, value_name = "CX,CY", requires = "focal", value_parser = principal_point)]
-    #[arg(allow_hyphen_values = true)]
+    #[arg(conflicts_with = "calibration", allow_hyphen_values = true)]
     principal: Option<[f64; 2]>,
 }
 
@@ -68,6 +68,21 @@ impl CameraArguments {
         Ok(camera)
     }
 
+    /// The camera, whatever it looks at, `None` where none was given.
+    pub fn camera_alone(&self, ui: &Ui) -> anyhow::Result<Option<StereoCamera>> {
+        let size = match &self.calibration {
+            // One that does not say the size is taken as it is.
+            Some(path) => {
+                let calibration = formats::read_calibration(path)?;
+                let StereoCamera { cx, cy, .. } = calibration.camera;
+                let around = [cx, cy].map(|at| (2.0 * at.max(0.0)).round() as usize + 1);
+                (calibration.width.unwrap_or(around[0]), calibration.height.unwrap_or(around[1]))
+            }
+            None => (1, 1),
+        };
+        self.camera(size, None, ui)
+    }
+
     fn stated(&self, size: (usize, usize)) -> anyhow::Result<Option<StereoCamera>> {
         let (Some(focal), Some(baseline)) = (self.focal, self.baseline) else { return Ok(None) };
         let [cx, cy] = self.principal.unwrap_or_else(|| camera::middle(size));
@@ -100,14 +115,16 @@ fn calibrated(
         CalibrationLayout::OpenCv => ui.note(format_args!(
             "{}: the baseline of {baseline_m} is taken as metres; OpenCV has it in the unit of the \
              board's squares: if that was another one, give --focal {focal_px} --baseline METRES \
-             --doffs {doffs} --principal {cx},{cy}",
-            path.display()
+             --doffs {} --principal {cx},{cy}",
+            path.display(),
+            doffs as f32
         )),
         CalibrationLayout::Ros => ui.note(format_args!(
             "{}: the left camera is taken to have its principal point in column {cx} too (doffs 0), as ROS rectifies \
-             pairs; if its own file says another column, give --focal {focal_px} --baseline {baseline_m} --doffs \
+             pairs; if its own file says another column, give --focal {focal_px} --baseline {} --doffs \
              RIGHT-LEFT --principal LEFT,{cy}",
-            path.display()
+            path.display(),
+            baseline_m as f32
         )),
         _ => {}
     }

@@ -39,12 +39,13 @@ class VerticalDisparity:
 
     Rectification leaves such a rest; ``balanced`` and ``best`` take it out of the right image
     before they match. It depends on the place: with ``X = column / columns - 0.5`` (of the right
-    image) and ``Y = row / rows - 0.5`` it is ``c[0] + c[1] X + c[2] Y + c[3] X Y + c[4] Y**2``, the
-    shapes that a camera makes that is turned a little (Longuet-Higgins & Prazdny 1980).
+    image) and ``Y = row / rows - 0.5`` it is ``c[0] + c[1] X + c[2] Y + c[3] X Y + c[4] Y**2 + c[5] X**2``,
+    the shapes that a camera makes that is turned a little (Longuet-Higgins & Prazdny 1980), and a lens
+    whose elements are not in one line (Brown 1966).
     """
 
-    coefficients: tuple[float, float, float, float, float]
-    """The factors ``c`` of 1, X, Y, X Y and Y**2, in pixels."""
+    coefficients: tuple[float, float, float, float, float, float]
+    """The factors ``c`` of 1, X, Y, X Y, Y**2 and X**2, in pixels."""
     root_mean_square: float
     """The root of its mean square over the image, in pixels."""
     largest: float

@@ -125,8 +125,8 @@ class Matcher:
             warn(doubt)
         mended = None
         if vertical is not None:
-            (c0, c1, c2, c3, c4), root_mean_square, largest = vertical
-            mended = VerticalDisparity((c0, c1, c2, c3, c4), root_mean_square, largest)
+            (c0, c1, c2, c3, c4, c5), root_mean_square, largest = vertical
+            mended = VerticalDisparity((c0, c1, c2, c3, c4, c5), root_mean_square, largest)
         return DisparityMap(values, reasons, confidence, mended)
 
     def __repr__(self) -> str:

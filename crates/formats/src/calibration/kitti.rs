@@ -77,6 +77,7 @@ fn size(entries: &Entries<'_>) -> Result<Option<[usize; 2]>, FormatError> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::read;
+    use raster::Plane;
 
     /// f = 700; camera 1 stands 0.54 m, camera 2 -0.06 m, camera 3 0.47 m to the right.
     const SAMPLE: &str = "P0: 700 0 600 0 0 700 180 0 0 0 1 0\n\
@@ -100,6 +101,22 @@ mod tests {
         for grey in ["image_0/000070_10.png", "image_2/image_0/000070_10.png", "left.png"] {
             assert_eq!(calibration.camera_of(grey), calibration.camera, "{grey}");
         }
+    }
+
+    #[test]
+    fn a_coloured_picture_is_of_the_colour_pair_wherever_it_lies() {
+        let calibration = read(SAMPLE).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let left = folder.path().join("left.png");
+        crate::picture::write_png_rgb(&left, &Plane::filled(3, 2, [9u8; 3])).unwrap();
+        assert_eq!(Some(calibration.camera_of(&left)), calibration.colour_camera);
+        let (grey, _) = SAMPLE.split_at(SAMPLE.find("P2").unwrap());
+        assert!(read(grey).unwrap().doubt_of(&left).unwrap().starts_with("P2 and P3"));
+        // The folder's name counts more.
+        let grey = folder.path().join("image_0");
+        std::fs::create_dir(&grey).unwrap();
+        std::fs::copy(&left, grey.join("left.png")).unwrap();
+        assert_eq!(calibration.camera_of(grey.join("left.png")), calibration.camera);
     }
 
     #[test]

@@ -21,7 +21,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use camera::StereoCamera;
-use raster::DisparityRange;
+use raster::{DisparityRange, Image};
 
 use crate::FormatError;
 use crate::atomic::{in_its_folder, write_atomically};
@@ -92,8 +92,8 @@ impl Calibration {
     }
 
     /// The camera of a left image, by the folder it lies in: KITTI's `image_2` and `colored_0`, and
-    /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair,
-    /// everything else to [`Calibration::camera`].
+    /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair, and so does a
+    /// coloured picture in a folder of another name; everything else to [`Calibration::camera`].
     pub fn camera_of(&self, left: impl AsRef<Path>) -> StereoCamera {
         match self.colour_camera {
             Some(camera) if is_colour(left.as_ref()) == Some(true) => camera,
@@ -101,13 +101,13 @@ impl Calibration {
         }
     }
 
-    /// Says that the file lacks the cameras of a left image, by the folder it lies in, so that
+    /// Says that the file lacks the cameras of a left image, by the folder it lies in or its colours, so that
     /// [`Calibration::camera_of`] gives those of the other pair.
     pub fn doubt_of(&self, left: impl AsRef<Path>) -> Option<String> {
         let left = left.as_ref();
         let [one, other] = self.lacks_pair_of(left)?;
         Some(format!(
-            "{one} and {other}, of the pair that {} belongs to by its folder, are not both there: the cameras of the \
+            "{one} and {other}, of the pair that {} belongs to by its folder or its colours, are not both there: the cameras of the \
              other pair were taken, whose baseline differs by about a per cent",
             left.display()
         ))
@@ -115,16 +115,26 @@ impl Calibration {
 
     /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder.
     fn lacks_pair_of(&self, left: &Path) -> Option<[&'static str; 2]> {
-        let is_colour = is_colour(left).filter(|_| self.layout == CalibrationLayout::Kitti)?;
-        match is_colour {
+        if self.layout != CalibrationLayout::Kitti {
+            return None;
+        }
+        match is_colour(left)? {
             true => self.colour_camera.is_none().then_some(["P2", "P3"]),
             false => (self.colour_camera == Some(self.camera)).then_some(["P0", "P1"]),
         }
     }
 }
 
-/// Whether a left image of KITTI's belongs to the colour pair or to the grey one, where its folder tells.
+/// Whether a left image of KITTI's belongs to the colour pair or to the grey one, where its folder tells, or else
+/// whether it has colours.
 fn is_colour(left: &Path) -> Option<bool> {
+    is_colour_by_folder(left).or_else(|| {
+        let image = crate::read_image(left).ok()?;
+        matches!(image, Image::Rgb8(_) | Image::Rgb16(_)).then_some(true)
+    })
+}
+
+fn is_colour_by_folder(left: &Path) -> Option<bool> {
     // A name from the folder itself does not have it; the file may be a link from elsewhere, or not be there.
     let placed = in_its_folder(left);
     let left = placed.as_deref().unwrap_or(left);

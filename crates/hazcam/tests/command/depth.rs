@@ -24,6 +24,29 @@ fn how_far_depth_is_good_is_printed() {
 }
 
 #[test]
+fn without_a_map_it_tells_what_a_camera_can_do() {
+    let folder = folder();
+    let outcome = folder.run(&format!("depth {CAMERA} --disparity-error 0.5")).done();
+    assert!(outcome.stdout.starts_with("camera  focal length 1000.00 px"), "{}", outcome.stdout);
+    let good =
+        "with 0.5 px, depth is good to 1 % up to 4.00 m, 5 % up to 20.00 m, 10 % up to 40.00 m";
+    assert!(outcome.stdout.contains(good), "{}", outcome.stdout);
+    let calibration = "cam0=[1000 0 320; 0 1000 900; 0 0 1]\ncam1=[1000 0 320; 0 1000 900; 0 0 1]\n\
+                       doffs=0\nbaseline=200\n";
+    std::fs::write(folder.path("calib.txt"), calibration).unwrap();
+    let of_file = folder.run("depth --calibration calib.txt --disparity-error 0.5").done();
+    assert_eq!((of_file.stdout, of_file.stderr), (outcome.stdout, String::new()));
+    for (more, words) in [
+        (format!("{CAMERA} -o depth.pfm"), "<DISPARITY>"),
+        (String::new(), "depth needs a camera"),
+        ("--calibration calib.txt --doffs 3".into(), "cannot be used with '--doffs <PX>'"),
+    ] {
+        let told = folder.run(&format!("depth {more}"));
+        assert!(told.stderr.contains(words), "{more}: {}", told.stderr);
+    }
+}
+
+#[test]
 fn guesses_are_told_of_where_nobody_leaves_them_out() {
     let folder = folder();
     let told = |more: &str| folder.run(&format!("depth d.pfm {CAMERA} {more}")).done().stderr;

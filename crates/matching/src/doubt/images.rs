@@ -9,8 +9,11 @@ use super::detail::{Detail, details};
 /// black. Steps of grey are what matching lives on, so it wants them over all 16 bits. Up to so many bits,
 /// the others are taken as never used.
 const FEW_BITS: u32 = 14;
-/// Of 65536 levels of grey fewer are few: those of a thermal camera may lie far from 0.
+/// Of 65536 levels of grey fewer are few: those of a thermal camera may lie far from 0. Of 256 fewer than so many.
 const FEW_LEVELS: u32 = 1 << 12;
+const FEW_OF_256: u32 = 32;
+/// Samples that use a smaller part of their bits lie far from 0, so that other bits would not help.
+const PART_OF_BITS: u32 = 8;
 /// Steps at the borders of blocks are so many times as large as within, in both directions of both images. Of 53 pairs of
 /// Middlebury, KITTI, ETH3D and others none comes to more than 1.04, Spirit's pairs, which were JPEG once, to 1.12; with
 /// JPEG of quality 80 and less mostly more than this.
@@ -26,9 +29,9 @@ const SMALLEST: usize = 64;
 /// What there is to doubt about a pair of images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ImageDoubt {
-    /// All samples of 16 bits lie between these two, though the upper bits are used: steps of grey are what matching
-    /// lives on.
-    FewLevels([u32; 2]),
+    /// All samples lie between the first two, far from filling what their bits hold, up to the third: steps of grey are
+    /// what matching lives on.
+    FewLevels([u32; 3]),
     /// Both images show the blocks of a compression, which stand in the same places of both and are matched at
     /// multiples of their side.
     Compressed,
@@ -63,8 +66,18 @@ pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
 /// How many of 16 bits the samples of a pair use, where they leave many unused. `None` where they do not,
 /// for samples of 8 bits, and for black images, of which there is nothing to tell.
 pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
-    let used = bits_of(levels(left, right)?);
-    (1..=FEW_BITS).contains(&used).then_some(used)
+    if left.depth() < u16::BITS || right.depth() < u16::BITS {
+        return None;
+    }
+    let levels = levels(left, right)?;
+    let used = bits_of(levels);
+    ((1..=FEW_BITS).contains(&used) && !are_far_from_0(levels)).then_some(used)
+}
+
+/// Whether samples fill a small part of what the bits hold that the largest takes.
+fn are_far_from_0(levels: [u32; 2]) -> bool {
+    let [least, most] = levels;
+    least < most && (most - least) * PART_OF_BITS < 1 << bits_of(levels)
 }
 
 /// How many bits the samples of each image of a pair use, where one leaves many of its 16 unused and the other does not.
@@ -80,19 +93,24 @@ fn unequal_bits(left: &Image, right: &Image) -> Option<[u32; 2]> {
     (one_is && unused.abs_diff(of_other) >= UNEQUAL_BITS).then_some([left, right])
 }
 
-/// Between which levels all samples of a pair lie, where these are few and [`few_bits`] does not tell it.
-fn few_levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
+/// Between which levels all samples of a pair of one depth lie, where these are few and [`few_bits`] does not tell it.
+fn few_levels(left: &Image, right: &Image) -> Option<[u32; 3]> {
     let levels = levels(left, right)?;
     let [least, most] = levels;
-    let are_few = least < most && most - least < FEW_LEVELS && bits_of(levels) > FEW_BITS;
-    are_few.then_some(levels)
+    let are_few = least < most
+        && match (left.depth(), right.depth()) {
+            (u8::BITS, u8::BITS) => most - least < FEW_OF_256,
+            (u16::BITS, u16::BITS) => {
+                let are_told = few_bits(left, right).is_some();
+                most - least < FEW_LEVELS && !are_told
+            }
+            _ => false,
+        };
+    are_few.then_some([least, most, (1 << left.depth()) - 1])
 }
 
-/// The smallest and the largest sample of a pair of 16 bits.
+/// The smallest and the largest sample of a pair.
 fn levels(left: &Image, right: &Image) -> Option<[u32; 2]> {
-    if left.depth() < u16::BITS || right.depth() < u16::BITS {
-        return None;
-    }
     let [[least, most], [least_right, most_right]] = [left.extremes()?, right.extremes()?];
     Some([least.min(least_right), most.max(most_right)])
 }
@@ -130,10 +148,19 @@ mod tests {
         let shallow = Image::Grey8(Plane::filled(2, 1, 3));
         assert_eq!(few_bits(&deep(3), &shallow), None);
         assert_eq!(few_bits(&shallow, &deep(3)), None);
-        assert_eq!(few_levels(&deep(30_000), &deep(30_255)), Some([30_000, 30_255]));
+        assert_eq!(few_levels(&deep(30_000), &deep(30_255)), Some([30_000, 30_255, 65_535]));
+        // Of 14 bits, but it is not bits that they lack.
+        assert_eq!(few_bits(&deep(8_000), &deep(8_300)), None);
+        assert_eq!(few_levels(&deep(8_000), &deep(8_300)), Some([8_000, 8_300, 65_535]));
+        assert_eq!(
+            few_levels(&shallow, &Image::Grey8(Plane::filled(2, 1, 34))),
+            Some([3, 34, 255])
+        );
+        assert_eq!(few_levels(&shallow, &Image::Grey8(Plane::filled(2, 1, 35))), None);
+        assert_eq!(few_levels(&shallow, &shallow), None, "there is nothing to spread");
         assert_eq!(few_levels(&deep(30_000), &deep(34_096)), None);
-        assert_eq!(few_levels(&deep(3000), &deep(3255)), None, "few bits");
-        assert_eq!(few_levels(&shallow, &deep(30_000)), None);
+        assert_eq!(few_levels(&deep(100), &deep(3255)), None, "few bits");
+        assert_eq!(few_levels(&shallow, &deep(34)), None, "not of one depth");
         assert_eq!(few_levels(&deep(65_535), &deep(65_535)), None, "there is nothing to spread");
     }
 

@@ -12,15 +12,12 @@ const BEYOND: f32 = 2.0;
 
 /// Takes out what a right view, in a mirror, has found where it shows nothing, so that it confirms nothing there.
 pub(crate) fn reject(vertical: &VerticalDisparity, rows: MatchedRows, right: &mut Plane<f32>) {
-    let (columns, height) = (right.columns(), vertical.rows());
+    let height = vertical.rows();
     let seen = -BEYOND..=(height - 1) as f32 + BEYOND;
     for row in 0..rows.count {
         let y = rows.in_image(row);
-        let (first, change) = vertical.along_row(y);
-        let from = |column: usize| y as f32 + first + change * column as f32;
-        if [0, columns - 1].into_iter().all(|end| seen.contains(&from(end))) {
-            continue;
-        }
+        let along = vertical.along_row(y);
+        let from = |column: usize| y as f32 + along.at(column);
         for (column, value) in right.row_mut(row).iter_mut().rev().enumerate() {
             if !seen.contains(&from(column)) {
                 *value = f32::NAN;
@@ -37,7 +34,7 @@ mod tests {
     #[test]
     fn what_comes_from_beyond_the_image_is_taken_out() {
         // Of 40 rows, 20 columns: rolled by a quarter of a row a column, the last of them lower.
-        let vertical = VerticalDisparity::of_shapes((20, 40), [0.0, 5.0, 0.0, 0.0, 0.0]);
+        let vertical = VerticalDisparity::of_shapes((20, 40), [0.0, 5.0, 0.0, 0.0, 0.0, 4.0]);
         for apart in [1, 2] {
             let rows = MatchedRows::of(BoundingBox::new(0, 1, 19, 39).unwrap(), apart);
             let mut right = Plane::filled(20, rows.count, 7.0);

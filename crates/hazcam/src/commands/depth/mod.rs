@@ -7,7 +7,7 @@ mod reach;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use camera::{DISPARITY_ERROR, StereoCamera};
 use formats::{Encoding, MOST_METRES_IN_PNG, Point, write_depth, write_points};
 use raster::{DisparityMap, Plane};
@@ -21,6 +21,8 @@ use kept::Limits;
 use reach::Reach;
 
 /// Turn a disparity map into depth and points, and say how good they are at which range
+///
+/// Without a map it says how good depth can be with a camera, before one has it.
 ///
 /// Depth is Z = f B / (d + doffs), in metres along the optical axis: f is the focal length in pixels, B
 /// the distance between the cameras. An error of e pixels in disparity is one of Z^2 e / (f B) in depth, so
@@ -39,10 +41,11 @@ them out by --confidence and --min-confidence, or keep holes when you match.
 Examples:
   hazcam depth d.pfm --calibration calib.txt --confidence sure.pfm --min-confidence 0.5 -o depth.npy
   hazcam depth disparity.pfm --calibration calib.txt -o depth.pfm --uncertainty off.pfm
-  hazcam depth d.pfm --focal 721.5 --baseline 0.54 --points street.ply --image left.png")]
+  hazcam depth d.pfm --focal 721.5 --baseline 0.54 --points street.ply --image left.png
+  hazcam depth --focal 700 --baseline 0.12 --disparity-error 0.5")]
 pub struct Args {
-    /// The disparity map: .pfm, .npy, .tiff or grey .png
-    disparity: PathBuf,
+    /// The disparity map: .pfm, .npy, .tiff or grey .png; none for what the camera can do
+    disparity: Option<PathBuf>,
 
     /// How its file stands for disparities, see `hazcam score --help`
     #[arg(long, value_name = "ENCODING", default_value = "auto")]
@@ -52,7 +55,8 @@ pub struct Args {
     rig: CameraArguments,
 
     /// How sure each pixel is, from `hazcam match --confidence`: .pfm, .npy or .tiff
-    #[arg(long, value_name = "FILE", help_heading = "Which pixels", requires = "min_confidence")]
+    #[arg(long, value_name = "FILE", help_heading = "Which pixels")]
+    #[arg(requires_all = ["min_confidence", "disparity"])]
     confidence: Option<PathBuf>,
 
     /// Leave out pixels less sure than this, from 0 to 1
@@ -62,24 +66,24 @@ pub struct Args {
 
     /// Leave out what is farther away than this, in metres
     #[arg(long, value_name = "M", help_heading = "Which pixels", value_parser = arguments::positive)]
-    #[arg(allow_hyphen_values = true)]
+    #[arg(allow_hyphen_values = true, requires = "disparity")]
     max_depth: Option<f64>,
 
     /// Where to write the depth: .pfm, .npy, .tiff, or .png in millimetres
-    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
+    #[arg(short, long, value_name = "OUT", help_heading = "Output", requires = "disparity")]
     output: Option<PathBuf>,
 
     /// Where to write points with their colours: .ply
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[arg(long, value_name = "FILE", help_heading = "Output", requires = "disparity")]
     points: Option<PathBuf>,
 
     /// The left image, for the colours of points [default: near is red, far is blue]
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[arg(long, value_name = "FILE", help_heading = "Output", requires = "disparity")]
     image: Option<PathBuf>,
 
     /// Where to write by how much each pixel's depth is off when its disparity is off by
     /// --disparity-error: as the depth
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[arg(long, value_name = "FILE", help_heading = "Output", requires = "disparity")]
     uncertainty: Option<PathBuf>,
 
     /// By how much disparities are off, in pixels. Of pixels that balanced and best are sure of, from 0.5 on,
@@ -93,23 +97,26 @@ pub struct Args {
     json: bool,
 }
 
+const NO_CAMERA: &str =
+    "depth needs a camera: give --calibration FILE, or --focal in pixels and --baseline in metres";
+
 /// Reads everything, writes all files or none, prints how far depth is good.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
-    let inputs =
-        [Some(&args.disparity), args.confidence.as_ref(), args.image.as_ref(), args.rig.file()];
+    let Some(disparity) = &args.disparity else {
+        let camera = args.rig.camera_alone(ui)?.context(NO_CAMERA)?;
+        show(&Reach::of_camera(&camera, args.disparity_error), &args, ui)?;
+        return Ok(ExitCode::SUCCESS);
+    };
+    let inputs = [Some(disparity), args.confidence.as_ref(), args.image.as_ref(), args.rig.file()];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
     let anything = Plane::filled(1, 1, 1.0);
     outputs::check(&all(&args, [&anything, &anything], &[]), &inputs)?;
 
-    let map = Map::read(&args.disparity, args.encoding, ui)?;
+    let map = Map::read(disparity, args.encoding, ui)?;
     let image = args.image.as_ref().map(|path| map.image(path, ui)).transpose()?;
     let confidence = args.confidence.as_ref().map(|path| map.confidence(path)).transpose()?;
-    let Some(camera) = args.rig.camera(map.disparities.size(), args.image.as_deref(), ui)? else {
-        bail!(
-            "depth needs a camera: give --calibration FILE, or --focal in pixels and --baseline in \
-             metres"
-        );
-    };
+    let camera = args.rig.camera(map.disparities.size(), args.image.as_deref(), ui)?;
+    let camera = camera.context(NO_CAMERA)?;
     let limits = Limits {
         confidence: confidence.as_ref().zip(args.min_confidence),
         max_depth: args.max_depth,
@@ -141,11 +148,15 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ));
     }
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);
-    match args.json {
-        true => ui.print(&(serde_json::to_string_pretty(&reach)? + "\n"))?,
-        false => ui.print(&reach.text())?,
-    }
+    show(&reach, &args, ui)?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn show(reach: &Reach, args: &Args, ui: &Ui) -> anyhow::Result<()> {
+    match args.json {
+        true => ui.print(&(serde_json::to_string_pretty(reach)? + "\n")),
+        false => ui.print(&reach.text()),
+    }
 }
 
 /// Errors where depths are off by more than a picture of millimetres holds.

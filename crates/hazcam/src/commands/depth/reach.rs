@@ -15,15 +15,23 @@ const MEANINGFUL: f64 = 0.5;
 #[derive(Debug, Serialize)]
 pub struct Reach {
     camera: StereoCamera,
-    pixels: Counts,
-    /// In metres; none where no pixel has a depth.
-    depth_m: Option<Span>,
+    /// Of a map, where there is one.
+    #[serde(flatten)]
+    map: Option<OfMap>,
     /// The error of disparities that the following is for.
     disparity_error_px: f64,
     /// At round depths from the nearest to the farthest.
     at: Vec<At>,
     /// How far depth is as good as that.
     good_to: Vec<GoodTo>,
+}
+
+/// What a map has.
+#[derive(Debug, Serialize)]
+struct OfMap {
+    pixels: Counts,
+    /// In metres; none where no pixel has a depth.
+    depth_m: Option<Span>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -60,7 +68,11 @@ fn length(metres: f64) -> String {
     digits(metres, 2)
 }
 
+/// Without a map errors stand from this share of the depth on.
+const FIRST: f64 = 0.001;
+
 impl Reach {
+    /// Of the depths of a map.
     pub fn new(
         camera: &StereoCamera,
         depths: &Plane<f32>,
@@ -68,17 +80,33 @@ impl Reach {
         disparity_error_px: f64,
     ) -> Self {
         let depth_m = span(depths);
+        let reach =
+            Self::within(camera, depth_m, f64::from(widest(depths.columns())), disparity_error_px);
+        Self { map: Some(OfMap { pixels, depth_m }), ..reach }
+    }
+
+    /// Of a camera, whatever it looks at.
+    pub fn of_camera(camera: &StereoCamera, disparity_error_px: f64) -> Self {
+        let [least, median, most] = [FIRST, SHARES[1], MEANINGFUL]
+            .map(|share| good_to(camera, share, disparity_error_px).depth_m);
+        Self::within(camera, Some(Span { least, median, most }), f64::INFINITY, disparity_error_px)
+    }
+
+    fn within(
+        camera: &StereoCamera,
+        depth_m: Option<Span>,
+        widest: f64,
+        disparity_error_px: f64,
+    ) -> Self {
         let at = |depth_m: f64| {
             let error_m = camera.depth_uncertainty(depth_m, disparity_error_px)?;
             let disparity_px = camera.disparity(depth_m)?;
             Some(At { depth_m, disparity_px, error_m, error_share: error_m / depth_m })
         };
-        let widest = f64::from(widest(depths.columns()));
         let worth = |at: &At| at.error_share <= MEANINGFUL && at.disparity_px <= widest;
         Self {
             camera: *camera,
-            pixels,
-            depth_m,
+            map: None,
             disparity_error_px,
             at: depth_m
                 .map_or_else(Vec::new, round_depths)
@@ -92,23 +120,13 @@ impl Reach {
 
     /// In words and numbers.
     pub fn text(&self) -> String {
-        let depth = match self.depth_m {
-            Some(Span { least, median, most }) => {
-                let [least, median, most] = [least, median, most].map(length);
-                format!("{least} to {most} m, half of the pixels within {median} m")
-            }
-            None => "no pixel has one".into(),
-        };
         let StereoCamera { focal_px, baseline_m, doffs, .. } = self.camera;
-        let mut lines = vec![
-            format!("depth   {depth}"),
-            format!("pixels  {}", self.pixels_in_words()),
-            format!(
-                "camera  focal length {focal_px:.2} px, baseline {} m, doffs {doffs:.2} px",
-                digits(baseline_m, 4)
-            ),
-            String::new(),
-        ];
+        let mut lines = self.map.as_ref().map_or_else(Vec::new, OfMap::lines);
+        lines.push(format!(
+            "camera  focal length {focal_px:.2} px, baseline {} m, doffs {doffs:.2} px",
+            digits(baseline_m, 4)
+        ));
+        lines.push(String::new());
         let error = self.disparity_error_px;
         if !self.at.is_empty() {
             lines.push(format!(
@@ -132,6 +150,19 @@ impl Reach {
         let good: Vec<String> = good.collect();
         lines.push(format!("with {error} px, depth is good to {}\n", good.join(", ")));
         lines.join("\n")
+    }
+}
+
+impl OfMap {
+    fn lines(&self) -> Vec<String> {
+        let depth = match self.depth_m {
+            Some(Span { least, median, most }) => {
+                let [least, median, most] = [least, median, most].map(length);
+                format!("{least} to {most} m, half of the pixels within {median} m")
+            }
+            None => "no pixel has one".into(),
+        };
+        vec![format!("depth   {depth}"), format!("pixels  {}", self.pixels_in_words())]
     }
 
     fn pixels_in_words(&self) -> String {
@@ -217,7 +248,7 @@ mod tests {
         assert_eq!((at.disparity_px, at.error_m, at.error_share), (10.0, 0.25, 0.025));
         let good: Vec<f64> = reach.good_to.iter().map(|good| good.depth_m).collect();
         assert_eq!(good, [4.0, 20.0, 40.0]);
-        assert_eq!(reach.depth_m.unwrap().median, 3.0);
+        assert_eq!(reach.map.unwrap().depth_m.unwrap().median, 3.0);
     }
 
     #[test]
@@ -231,6 +262,19 @@ mod tests {
             [5.771_158_2, 0.034_567, 98_765.4].map(in_three_digits),
             [5.77, 0.0346, 98_800.0]
         );
+    }
+
+    #[test]
+    fn a_camera_without_a_map_is_told_from_a_thousandth_to_a_half() {
+        let camera = StereoCamera::new(1000.0, 0.2, 0.0, 0.0, 0.0).unwrap();
+        let reach = Reach::of_camera(&camera, 0.5);
+        let shares: Vec<f64> = reach.at.iter().map(|at| at.error_share).collect();
+        assert!(shares[0] >= 0.001 && shares[0] < 0.0025, "{shares:?}");
+        assert!(shares.is_sorted() && shares[shares.len() - 1] == 0.5, "{shares:?}");
+        let text = reach.text();
+        assert!(text.starts_with("camera  focal length 1000.00 px, baseline 0.2000 m"), "{text}");
+        let json = serde_json::to_value(&reach).unwrap();
+        assert!(json.get("pixels").is_none() && json["at"].is_array(), "{json}");
     }
 
     #[test]

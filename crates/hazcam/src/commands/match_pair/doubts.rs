@@ -28,9 +28,9 @@ pub fn of_images(
         )
     };
     let others = image_doubts(of_left, of_right).into_iter().map(|doubt| match doubt {
-        ImageDoubt::FewLevels([least, most]) => format!(
-            "{left} and {right}: all samples of 16 bits lie from {least} to {most}, which makes matches worse; \
-             spread them over 0 to 65535 before"
+        ImageDoubt::FewLevels([least, most, all]) => format!(
+            "{left} and {right}: all samples lie from {least} to {most}, of 0 to {all}, which makes matches worse; expose \
+             for longer, or spread them over all before"
         ),
         ImageDoubt::UnequalBits([of_left, of_right]) => format!(
             "the samples of {left} use {of_left} bits, those of {right} {of_right}: steps of grey are far smaller in one \
@@ -57,11 +57,19 @@ pub fn of_rows(right: &Path, vertical: &VerticalDisparity) -> String {
         true => "; rectify the cameras anew if you can".into(),
         false => String::new(),
     };
+    let turned = vertical.common_disparity().map(|off| {
+        format!(
+            "; if the cameras are turned against each other about the upright axis, as it looks, all disparities are \
+             off by some {off:.0} px (where the focal length is the images' width), which nothing in them shows: compare \
+             a distance that you know"
+        )
+    });
     format!(
-        "{}: things stand up to {:.1} px higher or lower than on the left ({:.2} px rms), which was mended{advice}",
+        "{}: things stand up to {:.1} px higher or lower than on the left ({:.2} px rms), which was mended{advice}{}",
         right.display(),
         vertical.largest(),
         vertical.root_mean_square(),
+        turned.unwrap_or_default(),
     )
 }
 

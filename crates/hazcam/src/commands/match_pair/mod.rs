@@ -36,7 +36,7 @@ The format of OUT follows its extension:
   .png   16 bit, 256 d, 0 where there is none (KITTI): 0 to below 256 pixels; less than 1/512 is 1/256
 OUT.json beside it records version, options, the inputs' SHA-256, times, the vertical disparity that
 was mended, and the share of pixels per reason. On an error nothing is written.
-Things stood lower in the right image by constant + x X + y Y + xy X Y + yy Y^2 pixels, where X is
+Things stood lower in the right image by constant + x X + y Y + xy X Y + yy Y^2 + xx X^2 pixels, where X is
 column / columns - 0.5 and Y is row / rows - 0.5; the factors are its `coefficients`.
 
 Environment:
@@ -261,7 +261,8 @@ fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<Strin
             let max = min.saturating_add(default_count(columns) - 1);
             let note = format!(
                 "disparities from {min} to {max} were assumed from the width of {columns}; \
-                 anything nearer is missed: give --max-disparity if you know it"
+                 anything nearer is missed, and what has a smaller one: give --max-disparity, and \
+                 --min-disparity, if you know them"
             );
             (max, Some(note))
         }

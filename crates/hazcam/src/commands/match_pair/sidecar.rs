@@ -51,7 +51,7 @@ struct VerticalRecord {
     coefficients: Coefficients,
 }
 
-/// The factors of `1`, `x`, `y`, `x y` and `y^2`, as [`VerticalDisparity::coefficients`] has them.
+/// The factors of `1`, `x`, `y`, `x y`, `y^2` and `x^2`, as [`VerticalDisparity::coefficients`] has them.
 #[derive(Serialize)]
 struct Coefficients {
     constant: f64,
@@ -59,11 +59,12 @@ struct Coefficients {
     y: f64,
     xy: f64,
     yy: f64,
+    xx: f64,
 }
 
-impl From<[f64; 5]> for Coefficients {
-    fn from([constant, x, y, xy, yy]: [f64; 5]) -> Self {
-        Self { constant, x, y, xy, yy }
+impl From<[f64; 6]> for Coefficients {
+    fn from([constant, x, y, xy, yy, xx]: [f64; 6]) -> Self {
+        Self { constant, x, y, xy, yy, xx }
     }
 }
 

@@ -7,15 +7,22 @@
 //! dy = pitch (1 + y^2) + yaw x y + roll x
 //! ```
 //!
-//! and one with another focal length by `c y`. Neither angles nor focal lengths have to be known for
-//! that: the five shapes `1, x, y, x y, y^2` are fitted as they come. How far away things are does not
+//! and one with another focal length by `c y`. A lens whose elements are not in one line moves it by
+//! `p1 (x^2 + 3 y^2) + 2 p2 x y` (Brown, *Decentering Distortion of Lenses*, 1966). Neither angles nor focal lengths nor
+//! lenses have to be known for that: the six shapes `1, x, y, x y, y^2, x^2` are fitted as they come. How far away things are does not
 //! matter, as long as the cameras stand side by side. The same turns change disparity too, by
 //! `yaw (1 + x^2)` and `roll y`, which nothing in the images tells apart from depth: that stays.
 
 use super::correspondence::Correspondence;
 
 /// The shapes that vertical disparity is made of.
-const SHAPES: usize = 5;
+const SHAPES: usize = 6;
+/// All but the last one, which only lenses make: rectified pairs mostly have none of it, and what noise says of it then
+/// is left out. It counts where it comes to so many pixels (root of the mean square over the image, without its mean).
+const OF_CAMERAS: usize = SHAPES - 1;
+const BENT: f64 = 0.1;
+/// That of `x^2` where `x` runs from -0.5 to 0.5: the root of 1/80 - 1/144.
+const OF_SQUARE: f64 = 0.0745;
 /// Correspondences farther off than this, in pixels, or than so many standard deviations do not count.
 const LEAST_OUTLIER: f64 = 0.15;
 const OUTLIER: f64 = 3.0;
@@ -42,6 +49,22 @@ pub struct VerticalDisparity {
     coefficients: [f64; SHAPES],
 }
 
+/// Vertical disparity along a row: that at its first column, and how it changes from column to column.
+#[derive(Clone, Copy)]
+pub(crate) struct AlongRow {
+    first: f32,
+    change: f32,
+    bend: f32,
+}
+
+impl AlongRow {
+    #[inline(always)]
+    pub fn at(self, column: usize) -> f32 {
+        let column = column as f32;
+        self.first + (self.change + self.bend * column) * column
+    }
+}
+
 impl VerticalDisparity {
     /// A pair with more than this somewhere ([`Self::largest`]), in pixels, was not rectified for its
     /// cameras as they are.
@@ -50,7 +73,7 @@ impl VerticalDisparity {
     /// The shapes at a place, which runs from -0.5 to 0.5 over the image.
     #[inline(always)]
     fn shapes(x: f64, y: f64) -> [f64; SHAPES] {
-        [1.0, x, y, x * y, y * y]
+        [1.0, x, y, x * y, y * y, x * x]
     }
 
     #[inline(always)]
@@ -69,9 +92,9 @@ impl VerticalDisparity {
             .sum()
     }
 
-    /// What it is made of, in pixels: the factors of `1`, `x`, `y`, `x y` and `y^2`, where `x` is the
+    /// What it is made of, in pixels: the factors of `1`, `x`, `y`, `x y`, `y^2` and `x^2`, where `x` is the
     /// column over the number of columns and `y` the row over that of rows, both less 0.5.
-    pub fn coefficients(&self) -> [f64; 5] {
+    pub fn coefficients(&self) -> [f64; 6] {
         self.coefficients
     }
 
@@ -88,11 +111,25 @@ impl VerticalDisparity {
         across.abs() / columns * rows / 2.0 + down.abs() / rows * columns / 2.0
     }
 
-    /// That at the first column of row `y`, and the change from column to column.
+    /// A factor of `x y` beyond this is worth telling: none of Middlebury's, ETH3D's and KITTI 2015's pairs comes to that.
+    const TURNED: f64 = 2.0;
+
+    /// By about how many pixels all disparities are off, where that is worth telling, if cameras that are turned against
+    /// each other about the upright axis made vertical disparity what it is, and their focal length is the width of the
+    /// images; with half as long a one it is a quarter. Nothing in the images tells that from depth, and a lens may
+    /// have done it instead: KITTI's pair 000070 of 2012 looks turned and is not.
+    pub fn common_disparity(&self) -> Option<f64> {
+        let [_, _, _, turned, ..] = self.coefficients;
+        let [columns, rows] = [self.size.0, self.size.1].map(|size| size as f64);
+        (turned.abs() > Self::TURNED).then(|| turned.abs() * columns / rows)
+    }
+
+    /// That along row `y`.
     #[inline(always)]
-    pub(crate) fn along_row(&self, y: usize) -> (f32, f32) {
-        let [first, next] = [0.0, 1.0].map(|x| self.at(x, y as f64));
-        (first as f32, (next - first) as f32)
+    pub(crate) fn along_row(&self, y: usize) -> AlongRow {
+        let [first, next, after] = [0.0, 1.0, 2.0].map(|x| self.at(x, y as f64));
+        let bend = 0.5 * (after - 2.0 * next + first);
+        AlongRow { first: first as f32, change: (next - first - bend) as f32, bend: bend as f32 }
     }
 
     #[cfg(test)]
@@ -141,14 +178,28 @@ impl VerticalDisparity {
         }
         // From the middle one on: a fit to all of them would follow those that are wrong.
         model.coefficients[0] = *middle(residuals);
+        let count = residuals.len();
+        let straight = model.fitted(found.clone(), OF_CAMERAS, residuals);
+        let bent = straight.fitted(found.clone(), SHAPES, residuals);
+        let is_bent = OF_SQUARE * bent.coefficients[OF_CAMERAS].abs() >= BENT;
+        let held = [bent].into_iter().filter(|_| is_bent).chain([straight]);
+        held.into_iter().find(|model| model.holds(found.clone(), count))
+    }
+
+    /// The fit by the first few shapes, from this one on.
+    fn fitted<'a>(
+        mut self,
+        found: impl Iterator<Item = &'a Correspondence> + Clone,
+        shapes: usize,
+        residuals: &mut Vec<f64>,
+    ) -> Self {
         for _ in 0..ROUNDS {
             residuals.clear();
-            residuals.extend(found.clone().map(|one| model.off(one).abs()));
+            residuals.extend(found.clone().map(|one| self.off(one).abs()));
             let outlier = (OUTLIER * DEVIATION * *middle(residuals)).max(LEAST_OUTLIER);
-            model = model.fitted_again(found.clone(), outlier);
+            self = self.fitted_again(found.clone(), shapes, outlier);
         }
-        let count = residuals.len();
-        model.holds(found, count).then_some(model)
+        self
     }
 
     /// How far off a correspondence is.
@@ -156,10 +207,11 @@ impl VerticalDisparity {
         one.down - self.at(f64::from(one.column), f64::from(one.row))
     }
 
-    /// The fit to correspondences that are off by less than an outlier is, weighted by how far.
+    /// The fit of the first few shapes to correspondences that are off by less than an outlier is, weighted by how far.
     fn fitted_again<'a>(
         &self,
         found: impl Iterator<Item = &'a Correspondence>,
+        used: usize,
         outlier: f64,
     ) -> Self {
         let mut equations = [[0.0; SHAPES + 1]; SHAPES];
@@ -171,7 +223,8 @@ impl VerticalDisparity {
             let near = 1.0 - far * far;
             let weight = near * near;
             let (x, y) = self.place(f64::from(one.column), f64::from(one.row));
-            let shapes = Self::shapes(x, y);
+            let mut shapes = Self::shapes(x, y);
+            shapes[used..].fill(0.0);
             for (equation, shape) in equations.iter_mut().zip(shapes) {
                 for (sum, other) in equation.iter_mut().zip(shapes) {
                     *sum += weight * shape * other;
@@ -228,7 +281,7 @@ mod tests {
     const SIZE: (usize, usize) = (1000, 400);
 
     fn truth() -> VerticalDisparity {
-        VerticalDisparity { size: SIZE, coefficients: [0.4, -0.6, 0.3, 2.0, -0.8] }
+        VerticalDisparity { size: SIZE, coefficients: [0.4, -0.6, 0.3, 2.0, -0.8, 2.4] }
     }
 
     /// Correspondences with noise, of which a part is anything.
@@ -258,12 +311,30 @@ mod tests {
         }
         assert!((model.root_mean_square() - truth().root_mean_square()).abs() < 0.02);
         assert!((model.largest() - truth().largest()).abs() < 0.08);
-        let [one, x, y, xy, yy] = model.coefficients();
+        let [one, x, y, xy, yy, xx] = model.coefficients();
         let (right, down) = (0.25, -0.25);
-        let sum = one + x * right + y * down + xy * right * down + yy * down * down;
+        let squares = yy * down * down + xx * right * right;
+        let sum = one + x * right + y * down + xy * right * down + squares;
         assert!((sum - model.at(750.0, 100.0)).abs() < 1e-12);
-        let (first, step) = truth().along_row(100);
-        assert!((f64::from(first + 700.0 * step) - truth().at(700.0, 100.0)).abs() < 1e-4);
+        for column in [0, 1, 300, 700, 999] {
+            let along = truth().along_row(100).at(column);
+            assert!((f64::from(along) - truth().at(column as f64, 100.0)).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_lens_that_bends_is_told_from_noise() {
+        for bend in [-2.0, -0.5, 0.5, 2.0, 6.0] {
+            let mut found = correspondences(400, 0.2);
+            for one in &mut found {
+                let x = f64::from(one.column) / SIZE.0 as f64 - 0.5;
+                one.down += (bend - truth().coefficients[OF_CAMERAS]) * x * x;
+            }
+            let model = fitted(&found).expect("most agree");
+            let is_seen = model.coefficients[OF_CAMERAS];
+            let expected = if bend.abs() < 1.0 { 0.0 } else { bend };
+            assert!((is_seen - expected).abs() < 0.15, "{bend}: {is_seen}");
+        }
     }
 
     #[test]
@@ -280,9 +351,27 @@ mod tests {
             let along = corners.map(|(x, y)| moved(x, y)[0].abs()).into_iter().fold(0.0, f64::max);
             let across = moved(500.0, 0.0)[1] - moved(-500.0, 0.0)[1];
             let down = moved(0.0, 200.0)[1] - moved(0.0, -200.0)[1];
-            let coefficients = [0.0, across, down, 0.0, 0.0];
+            let coefficients = [0.0, across, down, 0.0, 0.0, 0.0];
             let model = VerticalDisparity { size: (columns as usize, rows as usize), coefficients };
             assert!((model.disparity_error() - along).abs() < 0.05, "{along}");
+        }
+    }
+
+    #[test]
+    fn who_turns_a_camera_moves_all_along_the_rows() {
+        // By an angle, in focal lengths, which is the width: down by `f yaw x y`, along by `f yaw (1 + x^2)`.
+        let (columns, rows) = (800.0, 600.0);
+        for (yaw, is_told) in [(0.0005, false), (0.005, true), (-0.01, true)] {
+            let f = columns;
+            let turned = f * yaw * (columns / f) * (rows / f);
+            let coefficients = [0.0, 0.0, 0.0, turned, 0.0, 0.0];
+            let model = VerticalDisparity { size: (800, 600), coefficients };
+            let told = model.common_disparity();
+            assert_eq!(told.is_some(), is_told);
+            assert!(
+                told.is_none_or(|told| (told - (f * yaw).abs()).abs() < 1e-9),
+                "{yaw}: {told:?}"
+            );
         }
     }
 

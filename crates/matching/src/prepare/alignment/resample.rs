@@ -6,7 +6,7 @@
 use raster::View;
 
 use super::correspondence::MARGIN;
-use super::model::VerticalDisparity;
+use super::model::{AlongRow, VerticalDisparity};
 use crate::kernels::cubic::cubic;
 use crate::kernels::level::at_every_level;
 use crate::kernels::rounding::nearest;
@@ -79,17 +79,17 @@ impl Grey for u16 {
 
 #[inline(always)]
 fn resample<T: Grey>(image: View<'_, T>, vertical: &VerticalDisparity, y: usize, out: &mut [T]) {
-    let (first, step) = vertical.along_row(y);
+    let along = vertical.along_row(y);
     let columns = out.len();
     let (blocks, rest) = out.as_chunks_mut::<LANES>();
     for (block, out) in blocks.iter_mut().enumerate() {
         let x = block * LANES;
-        *out = block_at(image, x, y, first + step * x as f32, step);
+        *out = block_at(image, x, y, along);
     }
     if !rest.is_empty() {
         // The last block overlaps the one before it.
         let x = columns - LANES;
-        let last = block_at(image, x, y, first + step * x as f32, step);
+        let last = block_at(image, x, y, along);
         rest.copy_from_slice(&last[LANES - rest.len()..]);
     }
 }
@@ -103,10 +103,12 @@ fn rows<'a, T>(image: View<'a, T>, y: usize, down: f32) -> [&'a [T]; 4] {
     [row(-1), row(0), row(1), row(2)]
 }
 
-/// [`LANES`] columns from `x` on, the first of them so many pixels below row `y`. Vertical disparity
-/// hardly changes within them: all are taken from the rows around the middle one.
+/// [`LANES`] columns of row `y` from `x` on. Vertical disparity hardly changes within them: all are taken from the rows
+/// around the middle one, and it runs straight from their first to the next block's.
 #[inline(always)]
-fn block_at<T: Grey>(image: View<'_, T>, x: usize, y: usize, first: f32, step: f32) -> [T; LANES] {
+fn block_at<T: Grey>(image: View<'_, T>, x: usize, y: usize, along: AlongRow) -> [T; LANES] {
+    let first = along.at(x);
+    let step = (along.at(x + LANES) - first) * (1.0 / LANES as f32);
     let middle = first + step * (LANES / 2) as f32;
     let [a, b, c, d] = rows(image, y, middle);
     let (a, b) = (&a[x..][..LANES], &b[x..][..LANES]);
