@@ -27,6 +27,8 @@ const OF_SQUARE: f64 = 0.0745;
 const LEAST_OUTLIER: f64 = 0.15;
 const OUTLIER: f64 = 3.0;
 const ROUNDS: usize = 12;
+/// From there on one shape more.
+const MORE_ROUNDS: usize = 4;
 /// The standard deviation of normal errors over the median of their sizes.
 const DEVIATION: f64 = 1.4826;
 /// The fit holds when at least so many correspondences lie within so many pixels of it, and this part
@@ -179,21 +181,22 @@ impl VerticalDisparity {
         // From the middle one on: a fit to all of them would follow those that are wrong.
         model.coefficients[0] = *middle(residuals);
         let count = residuals.len();
-        let straight = model.fitted(found.clone(), OF_CAMERAS, residuals);
-        let bent = straight.fitted(found.clone(), SHAPES, residuals);
+        let straight = model.fitted(found.clone(), OF_CAMERAS, ROUNDS, residuals);
+        let bent = straight.fitted(found.clone(), SHAPES, MORE_ROUNDS, residuals);
         let is_bent = OF_SQUARE * bent.coefficients[OF_CAMERAS].abs() >= BENT;
         let held = [bent].into_iter().filter(|_| is_bent).chain([straight]);
         held.into_iter().find(|model| model.holds(found.clone(), count))
     }
 
-    /// The fit by the first few shapes, from this one on.
+    /// The fit by the first few shapes, so many rounds from this one on.
     fn fitted<'a>(
         mut self,
         found: impl Iterator<Item = &'a Correspondence> + Clone,
         shapes: usize,
+        rounds: usize,
         residuals: &mut Vec<f64>,
     ) -> Self {
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             residuals.clear();
             residuals.extend(found.clone().map(|one| self.off(one).abs()));
             let outlier = (OUTLIER * DEVIATION * *middle(residuals)).max(LEAST_OUTLIER);
