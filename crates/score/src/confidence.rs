@@ -38,6 +38,7 @@ const POINTS: usize = 100;
 
 /// What counts as the error of a pixel when pixels are ranked.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RankedError {
     /// The absolute error in pixels.
     EndPoint,

@@ -87,6 +87,16 @@ fn box_and_mask_choose_the_pixels() {
     let protocol = report["scores"]["course"]["protocol"].as_str().unwrap();
     assert!(protocol.contains("the box 1,0,4,0 (inclusive) under the mask `mask.png`"));
     assert_eq!(json("--max-disparity 12")["scores"]["middlebury"]["clipped"], 1);
+    let told = |most: u32| {
+        let arguments = format!("score d.pfm truth.pfm --max-disparity {most}");
+        folder.run(&arguments).done().stderr
+    };
+    assert_eq!(told(100), "");
+    assert!(
+        told(1).contains("% of the truth lies beyond --max-disparity 1, to which"),
+        "{}",
+        told(1)
+    );
 }
 
 #[test]

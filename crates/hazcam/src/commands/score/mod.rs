@@ -88,6 +88,9 @@ pub struct Args {
     fail_over: Vec<Threshold>,
 }
 
+/// A share of the truth that no estimate can reach.
+const WORTH_TELLING: f64 = 0.01;
+
 /// Reads both maps, scores, prints, compares with the thresholds.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let estimate = formats::read_disparity(&args.estimate, args.estimate_encoding)?;
@@ -112,6 +115,17 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let scores = evaluation.scores(&region).with_context(context)?;
 
     let pixels = evaluation.pixels(&region)?;
+    if let Some(most) = args.max_disparity {
+        let beyond = pixels.iter().filter(|pixel| pixel.truth > most + 1.0).count();
+        let share = beyond as f64 / pixels.iter().count().max(1) as f64;
+        if share > WORTH_TELLING {
+            ui.note(format_args!(
+                "{:.1} % of the truth lies beyond --max-disparity {most}, to which estimates are clipped: they count \
+                 as wrong there",
+                100.0 * share
+            ));
+        }
+    }
     let suspected_scale = suspected_scale(&pixels);
     if let Some(factor) = suspected_scale {
         ui.warn(scale_warning(&args, factor, estimate.encoding, truth.encoding));
