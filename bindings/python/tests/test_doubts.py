@@ -62,8 +62,8 @@ def test_matches_at_an_end_of_the_range_are_doubted():
     assert told(lambda: hazcam.match(left, right, 40)) == [infinite]
     thermal = [30000 + image.astype(np.uint16) for image in dots(shift=20)]
     levels = (
-        "all samples of `left` and `right` lie in a small part of 0 to 65535, which makes matches "
-        "worse; spread them over all of it, alike in both"
+        "all samples of `left` and `right` lie in a small part of what they hold, which makes "
+        "matches worse; spread them over all of it, alike in both"
     )
     assert levels in told(lambda: hazcam.match(*thermal, 40))
 
