@@ -95,7 +95,7 @@ fn the_same_hand_in_keeps_its_time_and_place_and_another_does_not() {
     board.add("her", &first, &[], &[]).unwrap();
     assert_eq!(names(&board), ["first", "second"]);
     let kept = board.entry_of("her").unwrap().unwrap();
-    assert_eq!((&kept.added[..], kept.is_of_the_same(&first)), (long_ago, true));
+    assert_eq!((&kept.added[..], kept.is_of(Some("a"), "t")), (long_ago, true));
     assert_eq!(board.entry_of("nobody").unwrap(), None);
     // Other files, and engines, of which nobody knows whether they are the same.
     for other in [of("first", Some("c"), "t"), of("first", None, "t"), of("first", None, "t")] {

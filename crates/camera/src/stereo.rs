@@ -315,6 +315,12 @@ mod tests {
         let depths = Plane::new(2, 2, vec![2.0, f32::NAN, f32::NAN, 1.0]).unwrap();
         let points: Vec<_> = camera.points(&disparities, &depths).collect();
         assert_eq!(points, [Some([-0.02, 0.0, 2.0]), None, None, Some([0.0, 0.01, 1.0])]);
+        let (disparities, depths) = (Plane::filled(3, 2, 50.0), Plane::filled(3, 2, 1.0));
+        let places: Vec<_> = camera.points(&disparities, &depths).flatten().collect();
+        let at = |x: f32, y: f32| [(x - 1.0) / 100.0, y / 100.0, 1.0];
+        let rows =
+            [at(0.0, 0.0), at(1.0, 0.0), at(2.0, 0.0), at(0.0, 1.0), at(1.0, 1.0), at(2.0, 1.0)];
+        assert_eq!(places, rows);
     }
 
     #[test]

@@ -68,6 +68,11 @@ impl CameraArguments {
         Ok(camera)
     }
 
+    /// Whether its principal point was given, and is not just the middle of a map.
+    pub fn has_principal_point(&self) -> bool {
+        self.calibration.is_some() || self.principal.is_some()
+    }
+
     /// The camera, whatever it looks at, `None` where none was given.
     pub fn camera_alone(&self, ui: &Ui) -> anyhow::Result<Option<StereoCamera>> {
         let size = match &self.calibration {

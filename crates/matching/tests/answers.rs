@@ -216,17 +216,27 @@ fn the_left_strip_is_said_to_lie_outside_the_right_image() {
 
 #[test]
 fn narrow_boxes_are_checked_against_all_that_the_right_image_shows() {
-    let pair = wall(200, 80, 12);
-    for (preset, first) in Preset::ALL.into_iter().flat_map(|preset| [(preset, 0), (preset, 90)]) {
-        for columns in [1, 4, 8, 12, 21] {
-            let bounds = BoundingBox::new(first, 0, first + columns - 1, 79).unwrap();
-            let map = compute(options(preset, (0, 40)), &pair, Some(bounds));
-            let pixels = map.values.samples().iter().zip(map.reasons.samples());
-            let wrong = pixels.filter(|(d, reason)| {
-                let claimed = **reason == Reason::Matched || first > 0 && reason.has_value();
-                claimed && (*d - 12.0).abs() >= 1.0
-            });
-            assert_eq!(wrong.count(), 0, "{preset}, {bounds}");
+    for (disparity, range) in [(12, (0, 40)), (-12, (-40, 0)), (50, (0, 80)), (-50, (-80, 0))] {
+        let pair = wall(300, 80, disparity);
+        // At the end where the right image does not show what the left one does, and inside.
+        for (preset, inside) in
+            Preset::ALL.into_iter().flat_map(|preset| [(preset, false), (preset, true)])
+        {
+            for columns in [1, 4, 8, 12, 21] {
+                let first = match () {
+                    () if inside => 140,
+                    () if disparity > 0 => 0,
+                    () => 300 - columns,
+                };
+                let bounds = BoundingBox::new(first, 0, first + columns - 1, 79).unwrap();
+                let map = compute(options(preset, range), &pair, Some(bounds));
+                let pixels = map.values.samples().iter().zip(map.reasons.samples());
+                let wrong = pixels.filter(|(d, reason)| {
+                    let claimed = **reason == Reason::Matched || inside && reason.has_value();
+                    claimed && (*d - disparity as f32).abs() > 1.0
+                });
+                assert_eq!(wrong.count(), 0, "{preset}, {range:?}, {bounds}");
+            }
         }
     }
 }

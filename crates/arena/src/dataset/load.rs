@@ -207,7 +207,9 @@ fn assumed_range(
         // A few that are wrong make no range that many programs do not know.
         let below = known.clone().filter(|&d| d < 0.0).count() as f64;
         let is_signed = below > WORTH_TELLING * known.count() as f64;
-        (if is_signed { least.max(1.0 - columns as f32) } else { 0.0 }, most)
+        // Beyond the width nothing has a match.
+        let farthest = columns as f32 - 1.0;
+        (if is_signed { least.max(-farthest) } else { 0.0 }, most.min(farthest))
     });
     let (least, most) = match ends {
         Some((least, most)) => {
@@ -220,4 +222,40 @@ fn assumed_range(
         }
     };
     Ok(DisparityRange::new(least, most.max(1))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn truth_beyond_the_range_is_told_where_it_is_much() {
+        let range = DisparityRange::new(0, 9).unwrap();
+        let told = |beyond_it: usize, values: [f32; 2]| {
+            let truth = Plane::from_fn(100, 3, |x, y| match () {
+                () if y != 1 => 99.0,
+                () if x < beyond_it => values[0],
+                () if x < 50 => values[1],
+                () => f32::NAN,
+            });
+            beyond(&truth, BoundingBox::new(0, 1, 99, 1).unwrap(), range)
+        };
+        let note = told(5, [30.0, 4.0]).unwrap();
+        assert!(note.starts_with("10.0 %") && note.ends_with("0 to 9"), "{note}");
+        assert!(told(5, [-2.5, 4.0]).is_some());
+        // A pixel more or less is searched by nearly all, and one of a hundred is nothing.
+        assert_eq!(told(5, [10.0, -1.0]), None);
+        assert_eq!(told(0, [30.0, 4.0]), None);
+    }
+
+    #[test]
+    fn a_range_by_truth_ends_where_the_image_does() {
+        let truth = Plane::from_fn(100, 2, |x, _| if x == 3 { 1e30 } else { 7.5 });
+        let mut protocol = Vec::new();
+        let range = assumed_range(&Files::default(), Some(&truth), (100, 2), &mut protocol);
+        assert_eq!(range.unwrap(), DisparityRange::new(0, 99).unwrap());
+        let truth = truth.map(|&d| -d);
+        let range = assumed_range(&Files::default(), Some(&truth), (100, 2), &mut protocol);
+        assert_eq!(range.unwrap(), DisparityRange::new(-99, 1).unwrap());
+    }
 }

@@ -154,7 +154,7 @@ pub fn read_answer(job: &Job) -> Result<Answer, String> {
             "the disparity at column {x}, row {y} is infinite; give NaN where there is none"
         ));
     }
-    let reasons = match read_plane::<u8>(job, "reasons", &job.reasons)? {
+    let mut reasons = match read_plane::<u8>(job, "reasons", &job.reasons)? {
         Some(bytes) => {
             let unknown = |&(x, y): &(usize, usize)| Reason::from_byte(bytes.row(y)[x]).is_none();
             if let Some((x, y)) = bounds.pixels().find(unknown) {
@@ -183,7 +183,7 @@ pub fn read_answer(job: &Job) -> Result<Answer, String> {
             disparity.row(y)[x]
         ));
     }
-    let confidence = read_plane::<f32>(job, "confidence", &job.confidence)?;
+    let mut confidence = read_plane::<f32>(job, "confidence", &job.confidence)?;
     if let Some(plane) = &confidence
         && let Some((x, y)) =
             bounds.pixels().find(|&(x, y)| !(0.0..=1.0).contains(&plane.row(y)[x]))
@@ -195,6 +195,12 @@ pub fn read_answer(job: &Job) -> Result<Answer, String> {
     }
     // Nobody is to score by what was not asked for: holes are filled from around them.
     disparity.fill_around(bounds, f32::NAN);
+    if let Some(reasons) = &mut reasons {
+        reasons.fill_around(bounds, Reason::OutsideBox);
+    }
+    if let Some(confidence) = &mut confidence {
+        confidence.fill_around(bounds, 0.0);
+    }
     Ok(Answer { disparity, reasons, confidence })
 }
 
@@ -357,9 +363,12 @@ mod tests {
             |inside, other| Plane::from_fn(3, 2, |x, _| if x == 1 { inside } else { other });
         npy::write(&job.disparity, &outside(2.5, f32::INFINITY)).unwrap();
         npy::write(&job.confidence, &outside(0.5, 7.0)).unwrap();
-        let reasons = Plane::from_fn(3, 2, |x, _| if x == 1 { 1u8 } else { 99 });
+        let reasons = Plane::from_fn(3, 2, |x, y| if x == 1 { 1u8 } else { [99, 2][y] });
         npy::write(&job.reasons, &reasons).unwrap();
         let answer = read_answer(&job).unwrap();
+        let (around, within) = (Reason::OutsideBox, Reason::Matched);
+        assert_eq!(answer.reasons.unwrap().samples(), [around, within, around].repeat(2));
+        assert_eq!(answer.confidence.unwrap().samples(), [0.0, 0.5, 0.0].repeat(2));
         for row in answer.disparity.samples().chunks(3) {
             assert!(row[0].is_nan() && row[1] == 2.5 && row[2].is_nan(), "{row:?}");
         }

@@ -145,6 +145,11 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
                             "a message has at most {LINE_LIMIT} bytes, and this one has more"
                         ))
                     }
+                    Line::Chatter
+                        if begins && text.is_none() && line.starts_with(b"{\"hazcam\"") =>
+                    {
+                        Heard::Broken("a message is text in UTF-8, and this one is not".into())
+                    }
                     Line::Message(message) => Heard::Message(message),
                     Line::Broken(why) => Heard::Broken(why),
                     Line::Chatter => {
@@ -177,6 +182,10 @@ mod tests {
         );
         assert!(log.text().starts_with("hello\n") && log.text().ends_with("\nbye"));
         assert_eq!(log.last_line().as_deref(), Some("bye"));
+        // Nobody waits for a message that came in another encoding.
+        let output = b"{\"hazcam\":\"failed\",\"job\":1,\"message\":\"Gr\xf6sse\"}\n".as_slice();
+        let heard: Vec<_> = listen(output, Log::default()).iter().collect();
+        assert!(matches!(&heard[0], Heard::Broken(why) if why.contains("UTF-8")), "{heard:?}");
     }
 
     #[test]

@@ -51,9 +51,9 @@ fn row(engine: &str, records: &[&Record], least: f32) -> Option<Vec<Cell>> {
 
 /// What the table means, to be printed beside it.
 pub const RELIABILITY_LEGEND: [&str; 4] = [
-    "sure from: pixels whose confidence is at least that; means over the scenes that have any, each of \
+    "sure from: pixels whose confidence is at least that; errors are means over the scenes that have any, each of \
      which weighs the same",
-    "pixels %: of all pixels with truth in the scene's box; bad2, bad4: of those that are sure, in per \
+    "pixels %: of all pixels with truth in the scene's box, over all scenes; bad2, bad4: of those that are sure, in per \
      cent, errors > 2 and > 4 px and holes",
     "A50 to A99: errors in px that so many per cent of them do not exceed",
     "an error of e px in disparity is one of e Z^2 / (f B) in depth, for a focal length f in pixels and \

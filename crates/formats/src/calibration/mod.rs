@@ -93,7 +93,8 @@ impl Calibration {
 
     /// The camera of a left image, by the folder it lies in: KITTI's `image_2` and `colored_0`, and
     /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair, and so does a
-    /// coloured picture in a folder of another name; everything else to [`Calibration::camera`].
+    /// coloured picture in a folder of another name, which is read to see that; everything else, what cannot be read
+    /// included, to [`Calibration::camera`].
     pub fn camera_of(&self, left: impl AsRef<Path>) -> StereoCamera {
         match self.colour_camera {
             Some(camera) if is_colour(left.as_ref()) == Some(true) => camera,
@@ -113,7 +114,8 @@ impl Calibration {
         ))
     }
 
-    /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder.
+    /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder or its
+    /// colours.
     fn lacks_pair_of(&self, left: &Path) -> Option<[&'static str; 2]> {
         if self.layout != CalibrationLayout::Kitti {
             return None;

@@ -18,7 +18,7 @@ pub use header::Dtype;
 
 use crate::FormatError;
 use crate::atomic::write_atomically;
-use crate::source::{Container, MAX_PIXELS, Source};
+use crate::source::{Container, Source};
 use header::{Header, Refusal};
 
 /// An array of numbers of any shape.
@@ -41,7 +41,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Array, FormatError> {
 /// Reads `rows x columns` elements (for a colour `T` such as `[u8; 3]`: `rows x columns x 3`).
 ///
 /// Errors as [`read`], and [`FormatError::WrongKind`] when the element type or the shape is another
-/// one, [`FormatError::TooLarge`] past [`MAX_PIXELS`].
+/// one, [`FormatError::TooLarge`] past [`MAX_PIXELS`](crate::MAX_PIXELS).
 pub fn read_plane<T: Element>(path: impl AsRef<Path>) -> Result<Plane<T>, FormatError> {
     plane(&Source::open(path.as_ref())?)
 }
@@ -131,10 +131,7 @@ pub(crate) fn plane<T: Element>(source: &Source) -> Result<Plane<T>, FormatError
 
 /// `(columns, rows)` of an array of two or more dimensions, within the limits.
 pub(crate) fn plane_size(source: &Source, shape: &[usize]) -> Result<(usize, usize), FormatError> {
-    source.check_size(Container::Npy, shape[1] as u64, shape[0] as u64, |pixels| {
-        debug_assert!(pixels <= MAX_PIXELS);
-        pixels
-    })
+    source.check_size(Container::Npy, shape[1] as u64, shape[0] as u64, |pixels| pixels)
 }
 
 /// The shape as Python writes a tuple.

@@ -1,6 +1,6 @@
 #![doc = include_str!("fast.md")]
 
-use raster::{BoundingBox, DisparityMap, Plane, Reason};
+use raster::{DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
 use super::memory;
@@ -247,12 +247,9 @@ impl Pipeline for Fast {
     }
 }
 
-/// The frame with a box of two ranges at the least, to the right of what was asked for: what right pixels show may
-/// lie a range away, and for want of that a narrow box would confirm what lies outside the right image.
+/// The frame with a box that is not narrow.
 fn widened<'a>(frame: &Frame<'a>) -> Frame<'a> {
-    let (bounds, width, reach) = (frame.bounds, frame.size().0, frame.range.count() - 1);
-    let x1 = bounds.x1.max((bounds.x0 + 2 * reach).min(width - 1));
-    Frame { bounds: BoundingBox { x1, ..bounds }, ..*frame }
+    Frame { bounds: super::widened::widened(frame.bounds, frame.range, frame.size().0), ..*frame }
 }
 
 /// The rows of the box, in all their width.
@@ -267,7 +264,7 @@ mod tests {
     use crate::Holes;
     use crate::matcher::open_holes;
     use crate::matcher::tests::bits;
-    use raster::{DisparityRange, Image};
+    use raster::{BoundingBox, DisparityRange, Image};
 
     /// Something to match: a near square before a slanted wall, noise, and a blank corner.
     fn scene(columns: usize, rows: usize) -> [Image; 2] {

@@ -8,6 +8,7 @@ mod penalties;
 mod right_choices;
 mod semi_global;
 mod view;
+mod widened;
 
 use raster::DisparityMap;
 

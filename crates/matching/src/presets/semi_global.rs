@@ -14,6 +14,7 @@ use super::pair::{Pair, Prepared};
 use super::penalties::penalties;
 use super::right_choices::RightChoices;
 use super::view::{Search, View, in_steps};
+use super::widened::widened;
 use crate::Preset;
 use crate::allowance::Allowance;
 use crate::cost::census_gradient::FeaturePair;
@@ -126,8 +127,10 @@ impl SemiGlobalMatching {
     }
 }
 
-/// The part of the image that is matched to answer a box.
-fn surroundings(bounds: BoundingBox, (columns, rows): (usize, usize)) -> BoundingBox {
+/// The part of the images that is matched to answer a frame's box.
+fn surroundings(frame: &Frame<'_>) -> BoundingBox {
+    let (columns, rows) = frame.size();
+    let bounds = widened(frame.bounds, frame.range, columns);
     BoundingBox {
         x0: bounds.x0.saturating_sub(SURROUNDINGS),
         y0: bounds.y0.saturating_sub(SURROUNDINGS),
@@ -429,7 +432,7 @@ impl Pipeline for SemiGlobalMatching {
     }
 
     fn least_memory(&self, frame: &Frame<'_>) -> usize {
-        let work = surroundings(frame.bounds, frame.size());
+        let work = surroundings(frame);
         let space = self.space(frame, work);
         self.needs(frame, work, &space).least()
     }
@@ -443,7 +446,7 @@ impl Pipeline for SemiGlobalMatching {
     ) {
         let bounds = frame.bounds;
         let width = frame.size().0;
-        let work = surroundings(bounds, frame.size());
+        let work = surroundings(frame);
         let space = self.space(frame, work);
         let rows = MatchedRows::of(work, space.apart);
         let columns = space.columns();

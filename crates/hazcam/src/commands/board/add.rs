@@ -187,8 +187,9 @@ impl Args {
     /// Whether an entry is what would be entered: the same files, graded by the same tests, under the same name.
     fn stands_as(&self, kept: &Entry, handin: Option<&String>, tests: &str) -> bool {
         let is_called_so = self.secret_id.as_ref().is_none_or(|id| *id == kept.secret_id);
-        let is_the_same = handin.is_some() && handin == kept.handin.as_ref() && tests == kept.tests;
-        is_the_same && is_called_so && self.baseline == kept.baseline
+        kept.is_of(handin.map(String::as_str), tests)
+            && is_called_so
+            && self.baseline == kept.baseline
     }
 }
 

@@ -104,7 +104,8 @@ const NO_CAMERA: &str =
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let Some(disparity) = &args.disparity else {
         let camera = args.rig.camera_alone(ui)?.context(NO_CAMERA)?;
-        show(&Reach::of_camera(&camera, args.disparity_error), &args, ui)?;
+        let reach = Reach::of_camera(&camera, args.rig.has_principal_point(), args.disparity_error);
+        show(&reach, &args, ui)?;
         return Ok(ExitCode::SUCCESS);
     };
     let inputs = [Some(disparity), args.confidence.as_ref(), args.image.as_ref(), args.rig.file()];

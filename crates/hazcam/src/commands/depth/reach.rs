@@ -2,7 +2,8 @@
 
 use camera::{StereoCamera, widest};
 use raster::Plane;
-use serde::Serialize;
+use serde::ser::Error;
+use serde::{Serialize, Serializer};
 
 use super::kept::Counts;
 
@@ -14,7 +15,8 @@ const MEANINGFUL: f64 = 0.5;
 /// What `hazcam depth` prints.
 #[derive(Debug, Serialize)]
 pub struct Reach {
-    camera: StereoCamera,
+    #[serde(serialize_with = "known")]
+    camera: (StereoCamera, bool),
     /// Of a map, where there is one.
     #[serde(flatten)]
     map: Option<OfMap>,
@@ -24,6 +26,18 @@ pub struct Reach {
     at: Vec<At>,
     /// How far depth is as good as that.
     good_to: Vec<GoodTo>,
+}
+
+/// A camera, without its principal point where that is not known.
+fn known<S: Serializer>(
+    (camera, has_principal_point): &(StereoCamera, bool),
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let mut fields = serde_json::to_value(camera).map_err(S::Error::custom)?;
+    if let Some(fields) = fields.as_object_mut().filter(|_| !has_principal_point) {
+        fields.retain(|name, _| !["cx", "cy"].contains(&name.as_str()));
+    }
+    fields.serialize(serializer)
 }
 
 /// What a map has.
@@ -86,10 +100,16 @@ impl Reach {
     }
 
     /// Of a camera, whatever it looks at.
-    pub fn of_camera(camera: &StereoCamera, disparity_error_px: f64) -> Self {
+    pub fn of_camera(
+        camera: &StereoCamera,
+        has_principal_point: bool,
+        disparity_error_px: f64,
+    ) -> Self {
         let [least, median, most] = [FIRST, SHARES[1], MEANINGFUL]
             .map(|share| good_to(camera, share, disparity_error_px).depth_m);
-        Self::within(camera, Some(Span { least, median, most }), f64::INFINITY, disparity_error_px)
+        let span = Some(Span { least, median, most });
+        let reach = Self::within(camera, span, f64::INFINITY, disparity_error_px);
+        Self { camera: (*camera, has_principal_point), ..reach }
     }
 
     fn within(
@@ -105,7 +125,7 @@ impl Reach {
         };
         let worth = |at: &At| at.error_share <= MEANINGFUL && at.disparity_px <= widest;
         Self {
-            camera: *camera,
+            camera: (*camera, true),
             map: None,
             disparity_error_px,
             at: depth_m
@@ -120,7 +140,7 @@ impl Reach {
 
     /// In words and numbers.
     pub fn text(&self) -> String {
-        let StereoCamera { focal_px, baseline_m, doffs, .. } = self.camera;
+        let StereoCamera { focal_px, baseline_m, doffs, .. } = self.camera.0;
         let mut lines = self.map.as_ref().map_or_else(Vec::new, OfMap::lines);
         lines.push(format!(
             "camera  focal length {focal_px:.2} px, baseline {} m, doffs {doffs:.2} px",
@@ -267,7 +287,7 @@ mod tests {
     #[test]
     fn a_camera_without_a_map_is_told_from_a_thousandth_to_a_half() {
         let camera = StereoCamera::new(1000.0, 0.2, 0.0, 0.0, 0.0).unwrap();
-        let reach = Reach::of_camera(&camera, 0.5);
+        let reach = Reach::of_camera(&camera, false, 0.5);
         let shares: Vec<f64> = reach.at.iter().map(|at| at.error_share).collect();
         assert!(shares[0] >= 0.001 && shares[0] < 0.0025, "{shares:?}");
         assert!(shares.is_sorted() && shares[shares.len() - 1] == 0.5, "{shares:?}");
@@ -275,6 +295,8 @@ mod tests {
         assert!(text.starts_with("camera  focal length 1000.00 px, baseline 0.2000 m"), "{text}");
         let json = serde_json::to_value(&reach).unwrap();
         assert!(json.get("pixels").is_none() && json["at"].is_array(), "{json}");
+        let expected = serde_json::json!({ "focal_px": 1000.0, "baseline_m": 0.2, "doffs": 0.0 });
+        assert_eq!(json["camera"], expected);
     }
 
     #[test]

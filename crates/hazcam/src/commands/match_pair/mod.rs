@@ -206,18 +206,21 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The left and the right image, at the same time where there may be two threads: of large ones it takes as long as
-/// `fast` needs to match them.
+/// The left and the right image, at the same time where there may be two threads and the system has one: of large ones
+/// it takes as long as `fast` needs to match them.
 fn read_both(args: &Args) -> Result<[(Image, Input); 2], FormatError> {
     let Args { left, right, threads, .. } = args;
     if *threads == Some(1) {
         return Ok([Input::read(left)?, Input::read(right)?]);
     }
     thread::scope(|scope| {
-        let right = scope.spawn(|| Input::read(right));
-        let left = Input::read(left);
-        let right = right.join().unwrap_or_else(|panic| resume_unwind(panic));
-        Ok([left?, right?])
+        let reading = thread::Builder::new().spawn_scoped(scope, || Input::read(right));
+        let left = Input::read(left)?;
+        let right = match reading {
+            Ok(reading) => reading.join().unwrap_or_else(|panic| resume_unwind(panic)),
+            Err(_) => Input::read(right),
+        };
+        Ok([left, right?])
     })
 }
 
