@@ -70,7 +70,6 @@ pub fn read_calibration(
     let path = self::path("path", path)?;
     let left = (!left.is_none()).then(|| self::path("left", left)).transpose()?;
     let read = detached(py, || formats::read_calibration(path))?.map_err(of_file)?;
-    let doubt = left.as_ref().and_then(|left| read.doubt_of(left));
-    let camera = left.map_or(read.camera, |left| read.camera_of(left));
+    let (camera, doubt) = left.map_or((read.camera, None), |left| read.camera_of(left));
     Ok((numbers(&camera), read.width.zip(read.height), doubt))
 }

@@ -14,6 +14,7 @@ pub mod board;
 pub mod dataset;
 pub mod engine;
 pub mod grade;
+mod hexadecimal;
 pub mod interrupt;
 pub mod record;
 pub mod report;
@@ -22,3 +23,5 @@ pub mod sandbox;
 pub mod speed;
 pub mod submission;
 pub mod viewer;
+
+pub use hexadecimal::hexadecimal;

@@ -41,7 +41,7 @@ pub fn sha256(path: &Path) -> io::Result<Option<String>> {
 
 /// The SHA-256 of these bytes in hexadecimal digits.
 pub fn sha256_of(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    arena::hexadecimal(&Sha256::digest(bytes))
 }
 
 impl Map {

@@ -50,11 +50,11 @@ impl CameraArguments {
         self.calibration.as_ref()
     }
 
-    /// The camera of a map of this size, `None` where none was given; `image` is the map's left
-    /// picture, if that was named.
+    /// The camera of a map of this size, or without one whatever it looks at; `None` where none was given. `image` is
+    /// the map's left picture, if that was named.
     pub fn camera(
         &self,
-        size: (usize, usize),
+        size: Option<(usize, usize)>,
         image: Option<&Path>,
         ui: &Ui,
     ) -> anyhow::Result<Option<StereoCamera>> {
@@ -73,24 +73,9 @@ impl CameraArguments {
         self.calibration.is_some() || self.principal.is_some()
     }
 
-    /// The camera, whatever it looks at, `None` where none was given.
-    pub fn camera_alone(&self, ui: &Ui) -> anyhow::Result<Option<StereoCamera>> {
-        let size = match &self.calibration {
-            // One that does not say the size is taken as it is.
-            Some(path) => {
-                let calibration = formats::read_calibration(path)?;
-                let StereoCamera { cx, cy, .. } = calibration.camera;
-                let around = [cx, cy].map(|at| (2.0 * at.max(0.0)).round() as usize + 1);
-                (calibration.width.unwrap_or(around[0]), calibration.height.unwrap_or(around[1]))
-            }
-            None => (1, 1),
-        };
-        self.camera(size, None, ui)
-    }
-
-    fn stated(&self, size: (usize, usize)) -> anyhow::Result<Option<StereoCamera>> {
+    fn stated(&self, size: Option<(usize, usize)>) -> anyhow::Result<Option<StereoCamera>> {
         let (Some(focal), Some(baseline)) = (self.focal, self.baseline) else { return Ok(None) };
-        let [cx, cy] = self.principal.unwrap_or_else(|| camera::middle(size));
+        let [cx, cy] = self.principal.unwrap_or_else(|| size.map_or([0.0; 2], camera::middle));
         let camera = StereoCamera::new(focal, baseline, self.doffs, cx, cy);
         camera.map(Some).context("the numbers given make no camera")
     }
@@ -98,13 +83,15 @@ impl CameraArguments {
 
 fn calibrated(
     path: &Path,
-    size: (usize, usize),
+    size: Option<(usize, usize)>,
     image: Option<&Path>,
     ui: &Ui,
 ) -> anyhow::Result<StereoCamera> {
     let calibration = formats::read_calibration(path)?;
-    let stated = (calibration.width.unwrap_or(size.0), calibration.height.unwrap_or(size.1));
-    if stated != size {
+    if let Some(size) = size
+        && let stated = (calibration.width.unwrap_or(size.0), calibration.height.unwrap_or(size.1))
+        && stated != size
+    {
         bail!(
             "{} is for images of {} x {}, but the map is {} x {}: of a map at another scale give \
              --focal, --baseline, --doffs and --principal at that scale",
@@ -134,7 +121,7 @@ fn calibrated(
         _ => {}
     }
     if calibration.width.is_none()
-        && let Some(doubt) = calibration.camera.doubt_of_size(size)
+        && let Some(doubt) = size.and_then(|size| calibration.camera.doubt_of_size(size))
     {
         ui.note(format_args!(
             "{}: {doubt} (--focal, --baseline, --doffs, --principal)",
@@ -143,10 +130,11 @@ fn calibrated(
     }
     Ok(match image {
         Some(image) => {
-            if let Some(doubt) = calibration.doubt_of(image) {
+            let (camera, doubt) = calibration.camera_of(image);
+            if let Some(doubt) = doubt {
                 ui.note(format_args!("{}: {doubt}", path.display()));
             }
-            calibration.camera_of(image)
+            camera
         }
         None => {
             if calibration.colour_camera.is_some_and(|colour| colour != calibration.camera) {

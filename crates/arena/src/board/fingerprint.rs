@@ -4,6 +4,7 @@ use raster::Image;
 use sha2::{Digest, Sha256};
 
 use crate::grade::{Scene, Test};
+use crate::hexadecimal;
 
 /// The SHA-256 of tests, and of every pixel of their images and truths.
 pub(super) fn fingerprint(tests: &[(Test, &Scene)]) -> String {
@@ -23,7 +24,7 @@ pub(super) fn fingerprint(tests: &[(Test, &Scene)]) -> String {
             hash.update(value.to_bits().to_le_bytes());
         }
     }
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&hash.finalize())
 }
 
 /// That of the tests of a scheme: points up to the same thresholds on the same scenes. Limits of CPU time are not

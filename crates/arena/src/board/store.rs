@@ -392,11 +392,11 @@ fn replace(
         let query = "SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')";
         transaction.query_row(query, [], |row| row.get(0))
     };
-    let id;
-    (id, entry.added) = match same {
+    let (id, added) = match same {
         Some((id, added)) => (Some(id), added),
         None => (None, now()?),
     };
+    entry.added = added;
     let content = serde_json::to_string(&entry).expect("an entry is plain data");
     let key = folded(&entry.secret_id);
     transaction.execute("DELETE FROM entry WHERE owner = ?", [owner])?;

@@ -80,11 +80,8 @@ pub(super) fn files(
 fn beyond(truth: &Plane<f32>, bounds: BoundingBox, range: DisparityRange) -> Option<String> {
     let (min, max) = (range.min() as f32 - 1.0, range.max() as f32 + 1.0);
     let rows = (bounds.y0..=bounds.y1).map(|y| &truth.row(y)[bounds.x0..=bounds.x1]);
-    let known = rows.flatten().filter(|value| value.is_finite());
-    let (all, found) = known.fold((0, 0), |(all, found), value| {
-        (all + 1, found + usize::from((min..=max).contains(value)))
-    });
-    let share = (all - found) as f64 / all.max(1) as f64;
+    let known = rows.flatten().copied().filter(|value| value.is_finite());
+    let share = score::share_outside(known, min..=max);
     (share > WORTH_TELLING).then(|| {
         let (share, min, max) = (100.0 * share, range.min(), range.max());
         format!("{share:.1} % {BEYOND_THE_RANGE}, {min} to {max}")

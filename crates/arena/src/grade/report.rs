@@ -7,6 +7,7 @@ use super::answer::Scores;
 use super::machine_speed::MachineSpeed;
 use super::outcome::Outcome;
 use crate::engine::Usage;
+use crate::report::shown_until;
 use crate::submission::{Finding, Part};
 
 /// How points are given, for reports.
@@ -100,22 +101,15 @@ impl TestResult {
         let scores = self.scores.as_ref()?;
         let mut parts = Vec::new();
         if scores.e_rms >= self.max_e_rms {
-            let e_rms = not_below(scores.e_rms, self.max_e_rms, 2);
+            let e_rms = shown_until(scores.e_rms, 2, |shown| shown >= self.max_e_rms);
             parts.push(format!("E_RMS {e_rms} px is not below {}", self.max_e_rms));
         }
         if scores.p_bad >= self.max_p_bad {
-            let p_bad = not_below(scores.p_bad, self.max_p_bad, 4);
+            let p_bad = shown_until(scores.p_bad, 4, |shown| shown >= self.max_p_bad);
             parts.push(format!("p_bad {p_bad} is not below {}", self.max_p_bad));
         }
         (!parts.is_empty()).then(|| parts.join(", "))
     }
-}
-
-/// A number that is not below a limit, with as many digits at the least, and so many that one sees it.
-fn not_below(number: f64, limit: f64, digits: usize) -> String {
-    let shown = |digits: usize| format!("{number:.digits$}");
-    let is_seen = |text: &String| text.parse().is_ok_and(|shown: f64| shown >= limit);
-    (digits..20).map(shown).find(is_seen).unwrap_or_else(|| number.to_string())
 }
 
 impl Report {

@@ -77,6 +77,13 @@ pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || turns(c) { ' ' } else { c }).collect()
 }
 
+/// A number with so many digits at the least, and as many that what is shown holds what the number does.
+pub fn shown_until(number: f64, digits: usize, holds: impl Fn(f64) -> bool) -> String {
+    let shown = |digits: usize| format!("{number:.digits$}");
+    let is_seen = |text: &String| text.parse().is_ok_and(&holds);
+    (digits..20).map(shown).find(is_seen).unwrap_or_else(|| number.to_string())
+}
+
 /// Every name that occurs, once each, in order.
 pub(crate) fn in_order<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut seen = Vec::new();

@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::error::SubmissionError;
 use super::finding::Finding;
+use crate::hexadecimal;
 
 /// What a submission may hold.
 const MAX_FILES: usize = 1000;
@@ -195,7 +196,7 @@ pub(super) fn digest(root: &Path) -> io::Result<String> {
             hash.update(part);
         }
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&hash.finalize()))
 }
 
 /// The folder in which the course's files are: the copy itself, or one below it when the
@@ -246,48 +247,35 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
 }
 
 /// A finding for another folder that holds files of the course, neither the one that was chosen nor below it.
-pub(super) fn left_out(staging: &Path, root: &Path) -> io::Result<Option<Finding>> {
-    let mut folders = vec![staging.to_owned()];
-    while let Some(folder) = folders.pop() {
-        if folder == root {
-            continue;
-        }
-        if FILES.iter().any(|file| folder.join(file).is_file()) {
-            let other = folder.strip_prefix(staging).unwrap_or(&folder).display().to_string();
-            let chosen = root.strip_prefix(staging).unwrap_or(root).display().to_string();
-            let text = format!(
-                "it holds files of the course too, and nobody looks at them: those in `{}` are graded",
-                shortened(&chosen)
-            );
-            return Ok(Some(Finding { file: shortened(&other), line: None, text, fatal: false }));
-        }
-        let mut below = Vec::new();
-        for entry in fs::read_dir(&folder)? {
-            let entry = entry?;
-            if entry.file_type()?.is_dir() {
-                below.push(entry.path());
-            }
-        }
-        below.sort();
-        folders.extend(below.into_iter().rev());
-    }
-    Ok(None)
+pub(super) fn left_out(staging: &Path, root: &Path) -> Option<Finding> {
+    let other = elsewhere(staging, &FILES, Some(root))?.display().to_string();
+    let chosen = root.strip_prefix(staging).unwrap_or(root).display().to_string();
+    let text = format!(
+        "it holds files of the course too, and nobody looks at them: those in `{}` are graded",
+        shortened(&chosen)
+    );
+    Some(Finding { file: shortened(&other), line: None, text, fatal: false })
 }
 
 /// What a notebook's name ends with, and what is to be done with it.
 const NOTEBOOK: &str = ".ipynb";
 const EXPORT: &str = "a notebook is no Python file, export it (`jupyter nbconvert --to script`, or File > Save as .py)";
 
-/// The folder below `root`, and relative to it, in which a file lies that is not where it should be.
-fn elsewhere(root: &Path, file: &str) -> Option<PathBuf> {
+/// The first folder from `root` on, and relative to it, which has one of these files. One is not looked into.
+fn elsewhere(root: &Path, files: &[&str], besides: Option<&Path>) -> Option<PathBuf> {
     let mut folders = vec![root.to_owned()];
     while let Some(folder) = folders.pop() {
-        if folder.join(file).is_file() {
+        if besides == Some(&folder) {
+            continue;
+        }
+        if files.iter().any(|file| folder.join(file).is_file()) {
             return folder.strip_prefix(root).ok().map(Path::to_owned);
         }
         let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
         let below = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
-        folders.extend(below.map(|entry| entry.path()));
+        let mut below: Vec<PathBuf> = below.map(|entry| entry.path()).collect();
+        below.sort();
+        folders.extend(below.into_iter().rev());
     }
     None
 }
@@ -310,7 +298,7 @@ pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
         let instead = match alike {
             Some(name) if name.ends_with(NOTEBOOK) => format!("; there is `{name}`: {EXPORT}"),
             Some(name) => format!("; there is `{name}`: rename it"),
-            None if let Some(place) = elsewhere(root, file) => {
+            None if let Some(place) = elsewhere(root, &[file], None) => {
                 format!("; there is one in `{}`: put all files into one folder", place.display())
             }
             None if file == "secret_id.py" => {

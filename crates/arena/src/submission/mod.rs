@@ -81,9 +81,7 @@ impl Submission {
         }
         let root = contents::find_root(path, staging)?;
         let mut findings = contents::missing_files(&root);
-        let left_out = contents::left_out(staging, &root)
-            .map_err(|source| SubmissionError::Read { path: staging.to_owned(), source })?;
-        findings.extend(left_out);
+        findings.extend(contents::left_out(staging, &root));
         Ok(Self { root, findings })
     }
 
@@ -94,9 +92,8 @@ impl Submission {
 
     /// The SHA-256 of its files and their names: it tells whether the same was handed in before.
     pub fn digest(&self) -> Result<String, SubmissionError> {
-        let path = || self.root.clone();
         contents::digest(&self.root)
-            .map_err(|source| SubmissionError::Read { path: path(), source })
+            .map_err(|source| SubmissionError::Read { path: self.root.clone(), source })
     }
 
     /// A fresh copy for one test, which may change its files.

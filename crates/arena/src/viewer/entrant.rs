@@ -70,7 +70,7 @@ fn row(result: &TestResult) -> String {
         match result.outcome {
             Outcome::Ok if result.max_points == 0.0 => "answered",
             Outcome::Ok if result.passes() => "passed",
-            Outcome::Ok => "above a threshold",
+            Outcome::Ok => "not below a threshold",
             other => other.meaning(),
         },
         number(scores.map(|scores| scores.e_rms), 2),

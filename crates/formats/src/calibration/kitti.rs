@@ -95,11 +95,11 @@ mod tests {
         near(colour.baseline_m, 0.53);
         near(colour.doffs, 2.0);
         assert_eq!((colour.focal_px, colour.cx, colour.cy), (700.0, 600.0, 180.0));
-        assert_eq!(calibration.camera_of("training/image_2/000000_10.png"), colour);
-        assert_eq!(calibration.camera_of("drive/image_02/data/0000000000.png"), colour);
+        assert_eq!(calibration.camera_of("training/image_2/000000_10.png").0, colour);
+        assert_eq!(calibration.camera_of("drive/image_02/data/0000000000.png").0, colour);
         // What else is on the way there says nothing.
         for grey in ["image_0/000070_10.png", "image_2/image_0/000070_10.png", "left.png"] {
-            assert_eq!(calibration.camera_of(grey), calibration.camera, "{grey}");
+            assert_eq!(calibration.camera_of(grey).0, calibration.camera, "{grey}");
         }
     }
 
@@ -109,14 +109,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let left = folder.path().join("left.png");
         crate::picture::write_png_rgb(&left, &Plane::filled(3, 2, [9u8; 3])).unwrap();
-        assert_eq!(Some(calibration.camera_of(&left)), calibration.colour_camera);
+        assert_eq!(Some(calibration.camera_of(&left).0), calibration.colour_camera);
         let (grey, _) = SAMPLE.split_at(SAMPLE.find("P2").unwrap());
-        assert!(read(grey).unwrap().doubt_of(&left).unwrap().starts_with("P2 and P3"));
+        assert!(read(grey).unwrap().camera_of(&left).1.unwrap().starts_with("P2 and P3"));
         // The folder's name counts more.
         let grey = folder.path().join("image_0");
         std::fs::create_dir(&grey).unwrap();
         std::fs::copy(&left, grey.join("left.png")).unwrap();
-        assert_eq!(calibration.camera_of(grey.join("left.png")), calibration.camera);
+        assert_eq!(calibration.camera_of(grey.join("left.png")).0, calibration.camera);
     }
 
     #[test]
@@ -124,14 +124,14 @@ mod tests {
         let (grey, colour) = SAMPLE.split_at(SAMPLE.find("P2").unwrap());
         let [both, grey, colour] = [SAMPLE, grey, colour].map(|text| read(text).unwrap());
         let (of_grey, of_colour) = ("image_00/data/0000000000.png", "image_2/000000_10.png");
-        assert_eq!([of_grey, of_colour].map(|left| both.doubt_of(left)), [None, None]);
-        let doubt = grey.doubt_of(of_colour).unwrap();
+        assert_eq!([of_grey, of_colour].map(|left| both.camera_of(left).1), [None, None]);
+        let doubt = grey.camera_of(of_colour).1.unwrap();
         assert!(
             doubt.starts_with("P2 and P3, of the pair") && doubt.contains(of_colour),
             "{doubt}"
         );
-        assert!(colour.doubt_of(of_grey).unwrap().starts_with("P0 and P1"));
-        assert_eq!([grey.doubt_of(of_grey), grey.doubt_of("left.png")], [None, None]);
+        assert!(colour.camera_of(of_grey).1.unwrap().starts_with("P0 and P1"));
+        assert_eq!([grey.camera_of(of_grey).1, grey.camera_of("left.png").1], [None, None]);
     }
 
     #[test]

@@ -60,8 +60,8 @@ pub enum CalibrationLayout {
     Middlebury,
     /// KITTI 2012, 2015 and raw.
     Kitti,
-    /// `P1` and `P2`, or `Q`, in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the squares
-    /// that the cameras were calibrated with. It is taken as metres.
+    /// `P1` and `P2`, or `Q`, in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the
+    /// squares that the cameras were calibrated with. It is taken as metres.
     OpenCv,
     /// `projection_matrix` in the YAML file of a pair's right camera, as ROS keeps it, or its `CameraInfo` as it is
     /// printed. It does not tell of the left camera: that it has its principal point in the same column is assumed.
@@ -94,36 +94,28 @@ impl Calibration {
     /// The camera of a left image, by the folder it lies in: KITTI's `image_2` and `colored_0`, and
     /// `image_02` with the folder `data` that raw recordings have in it, belong to the colour pair, and so does a
     /// coloured picture in a folder of another name, which is read to see that; everything else, what cannot be read
-    /// included, to [`Calibration::camera`].
-    pub fn camera_of(&self, left: impl AsRef<Path>) -> StereoCamera {
-        match self.colour_camera {
-            Some(camera) if is_colour(left.as_ref()) == Some(true) => camera,
-            _ => self.camera,
-        }
-    }
-
-    /// Says that the file lacks the cameras of a left image, by the folder it lies in or its colours, so that
-    /// [`Calibration::camera_of`] gives those of the other pair.
-    pub fn doubt_of(&self, left: impl AsRef<Path>) -> Option<String> {
+    /// included, to [`Calibration::camera`]. Where the file lacks the pair that the image belongs to, the camera is of the
+    /// other one, and a sentence says so.
+    pub fn camera_of(&self, left: impl AsRef<Path>) -> (StereoCamera, Option<String>) {
         let left = left.as_ref();
-        let [one, other] = self.lacks_pair_of(left)?;
-        Some(format!(
-            "{one} and {other}, of the pair that {} belongs to by its folder or its colours, are not both there: the cameras of the \
-             other pair were taken, whose baseline differs by about a per cent",
-            left.display()
-        ))
-    }
-
-    /// Of a file of KITTI's the two matrices that it lacks of the pair that a left image belongs to by its folder or its
-    /// colours.
-    fn lacks_pair_of(&self, left: &Path) -> Option<[&'static str; 2]> {
         if self.layout != CalibrationLayout::Kitti {
-            return None;
+            return (self.camera, None);
         }
-        match is_colour(left)? {
-            true => self.colour_camera.is_none().then_some(["P2", "P3"]),
-            false => (self.colour_camera == Some(self.camera)).then_some(["P0", "P1"]),
-        }
+        let is_colour = is_colour(left);
+        let lacking = match is_colour {
+            Some(true) if self.colour_camera.is_none() => Some(["P2", "P3"]),
+            Some(false) if self.colour_camera == Some(self.camera) => Some(["P0", "P1"]),
+            _ => None,
+        };
+        let doubt = lacking.map(|[one, other]| {
+            format!(
+                "{one} and {other}, of the pair that {} belongs to by its folder or its colours, are not both there: \
+                 the cameras of the other pair were taken, whose baseline differs by about a per cent",
+                left.display()
+            )
+        });
+        let colour = self.colour_camera.filter(|_| is_colour == Some(true));
+        (colour.unwrap_or(self.camera), doubt)
     }
 }
 

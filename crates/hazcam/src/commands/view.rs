@@ -94,7 +94,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let reasons = args.reasons.as_ref().map(|path| map.reasons(path)).transpose()?;
     let truth = args.truth.as_ref().map(|path| map.truth(path, args.truth_encoding, ui));
     let truth = truth.transpose()?;
-    let camera = args.rig.camera(map.disparities.size(), args.image.as_deref(), ui)?;
+    let camera = args.rig.camera(Some(map.disparities.size()), args.image.as_deref(), ui)?;
 
     let title = args.disparity.file_name().unwrap_or_default().to_string_lossy();
     let mut view = View::new(&title, &map.disparities);

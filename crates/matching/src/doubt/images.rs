@@ -69,15 +69,15 @@ pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
     if left.depth() < u16::BITS || right.depth() < u16::BITS {
         return None;
     }
-    let levels = levels(left, right)?;
-    let used = bits_of(levels);
-    ((1..=FEW_BITS).contains(&used) && !are_far_from_0(levels)).then_some(used)
+    few_of_16(levels(left, right)?)
 }
 
-/// Whether samples fill a small part of what the bits hold that the largest takes.
-fn are_far_from_0(levels: [u32; 2]) -> bool {
-    let [least, most] = levels;
-    least < most && (most - least) * PART_OF_BITS < 1 << bits_of(levels)
+/// How many of 16 bits samples between these two use, where they leave many unused, and do not fill so small a part of
+/// the others that it is not bits which they lack.
+fn few_of_16(levels: [u32; 2]) -> Option<u32> {
+    let ([least, most], used) = (levels, bits_of(levels));
+    let are_far_from_0 = least < most && (most - least) * PART_OF_BITS < 1 << used;
+    ((1..=FEW_BITS).contains(&used) && !are_far_from_0).then_some(used)
 }
 
 /// How many bits the samples of each image of a pair use, where one leaves many of its 16 unused and the other does not.
@@ -100,10 +100,7 @@ fn few_levels(left: &Image, right: &Image) -> Option<[u32; 3]> {
     let are_few = least < most
         && match (left.depth(), right.depth()) {
             (u8::BITS, u8::BITS) => most - least < FEW_OF_256,
-            (u16::BITS, u16::BITS) => {
-                let are_told = few_bits(left, right).is_some();
-                most - least < FEW_LEVELS && !are_told
-            }
+            (u16::BITS, u16::BITS) => most - least < FEW_LEVELS && few_of_16(levels).is_none(),
             _ => false,
         };
     are_few.then_some([least, most, (1 << left.depth()) - 1])

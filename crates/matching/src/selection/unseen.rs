@@ -12,11 +12,14 @@ const BEYOND: f32 = 2.0;
 
 /// Takes out what a right view, in a mirror, has found where it shows nothing, so that it confirms nothing there.
 pub(crate) fn reject(vertical: &VerticalDisparity, rows: MatchedRows, right: &mut Plane<f32>) {
-    let height = vertical.rows();
+    let (columns, height) = (right.columns(), vertical.rows());
     let seen = -BEYOND..=(height - 1) as f32 + BEYOND;
     for row in 0..rows.count {
         let y = rows.in_image(row);
         let along = vertical.along_row(y);
+        if along.extremes(columns).iter().all(|down| seen.contains(&(y as f32 + down))) {
+            continue;
+        }
         let from = |column: usize| y as f32 + along.at(column);
         for (column, value) in right.row_mut(row).iter_mut().rev().enumerate() {
             if !seen.contains(&from(column)) {

@@ -27,7 +27,7 @@ pub fn write(report: &Report) -> String {
         let text = escaped(&details(test).join("\n"));
         let (tag, meaning) = match test.outcome {
             Outcome::Xx => ("error", test.outcome.meaning()),
-            Outcome::Ok => ("failure", "above a threshold"),
+            Outcome::Ok => ("failure", "not below a threshold"),
             _ => ("failure", test.outcome.meaning()),
         };
         if test.passes() {
@@ -58,7 +58,9 @@ mod tests {
             xml.contains("name=\"Three &lt;tests&gt;\" tests=\"3\" failures=\"2\" errors=\"0\"")
         );
         assert!(xml.contains("<testcase classname=\"her &amp; his\" name=\"One\" time=\"1.500\">"));
-        assert!(xml.contains("<failure type=\"OK\" message=\"above a threshold: 0 of 7 points\">"));
+        assert!(
+            xml.contains("<failure type=\"OK\" message=\"not below a threshold: 0 of 7 points\">")
+        );
         assert!(xml.contains("<failure type=\"RE\" message=\"run-time error: 0 of 7 points\">"));
         assert!(xml.contains("E_RMS 9.50 px is not below 8"));
         report.tests[2].outcome = Outcome::Xx;

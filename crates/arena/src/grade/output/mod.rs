@@ -12,7 +12,7 @@ fn details(test: &TestResult) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(scores) = &test.scores {
         lines.push(format!(
-            "E_RMS {:.2} px (at most {}), p_bad {:.4} (at most {}), over {} pixels",
+            "E_RMS {:.2} px (below {}), p_bad {:.4} (below {}), over {} pixels",
             scores.e_rms, test.max_e_rms, scores.p_bad, test.max_p_bad, scores.pixels
         ));
     }

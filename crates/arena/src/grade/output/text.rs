@@ -169,7 +169,7 @@ mod tests {
             text.starts_with("  OK        no points   E_RMS   9.50 px   p_bad 0.0833\n"),
             "{text}"
         );
-        assert!(!text.contains("above"), "{text}");
+        assert!(!text.contains("below"), "{text}");
     }
 
     #[test]

@@ -103,7 +103,7 @@ const NO_CAMERA: &str =
 /// Reads everything, writes all files or none, prints how far depth is good.
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let Some(disparity) = &args.disparity else {
-        let camera = args.rig.camera_alone(ui)?.context(NO_CAMERA)?;
+        let camera = args.rig.camera(None, None, ui)?.context(NO_CAMERA)?;
         let reach = Reach::of_camera(&camera, args.rig.has_principal_point(), args.disparity_error);
         show(&reach, &args, ui)?;
         return Ok(ExitCode::SUCCESS);
@@ -116,7 +116,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let map = Map::read(disparity, args.encoding, ui)?;
     let image = args.image.as_ref().map(|path| map.image(path, ui)).transpose()?;
     let confidence = args.confidence.as_ref().map(|path| map.confidence(path)).transpose()?;
-    let camera = args.rig.camera(map.disparities.size(), args.image.as_deref(), ui)?;
+    let camera = args.rig.camera(Some(map.disparities.size()), args.image.as_deref(), ui)?;
     let camera = camera.context(NO_CAMERA)?;
     let limits = Limits {
         confidence: confidence.as_ref().zip(args.min_confidence),

@@ -2,8 +2,7 @@
 
 use camera::{StereoCamera, widest};
 use raster::Plane;
-use serde::ser::Error;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::kept::Counts;
 
@@ -15,8 +14,7 @@ const MEANINGFUL: f64 = 0.5;
 /// What `hazcam depth` prints.
 #[derive(Debug, Serialize)]
 pub struct Reach {
-    #[serde(serialize_with = "known")]
-    camera: (StereoCamera, bool),
+    camera: Told,
     /// Of a map, where there is one.
     #[serde(flatten)]
     map: Option<OfMap>,
@@ -28,16 +26,16 @@ pub struct Reach {
     good_to: Vec<GoodTo>,
 }
 
-/// A camera, without its principal point where that is not known.
-fn known<S: Serializer>(
-    (camera, has_principal_point): &(StereoCamera, bool),
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    let mut fields = serde_json::to_value(camera).map_err(S::Error::custom)?;
-    if let Some(fields) = fields.as_object_mut().filter(|_| !has_principal_point) {
-        fields.retain(|name, _| !["cx", "cy"].contains(&name.as_str()));
-    }
-    fields.serialize(serializer)
+/// A camera, with its principal point where that is known.
+#[derive(Debug, Serialize)]
+struct Told {
+    focal_px: f64,
+    baseline_m: f64,
+    doffs: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cx: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cy: Option<f64>,
 }
 
 /// What a map has.
@@ -109,7 +107,10 @@ impl Reach {
             .map(|share| good_to(camera, share, disparity_error_px).depth_m);
         let span = Some(Span { least, median, most });
         let reach = Self::within(camera, span, f64::INFINITY, disparity_error_px);
-        Self { camera: (*camera, has_principal_point), ..reach }
+        match has_principal_point {
+            true => reach,
+            false => Self { camera: Told { cx: None, cy: None, ..reach.camera }, ..reach },
+        }
     }
 
     fn within(
@@ -124,8 +125,9 @@ impl Reach {
             Some(At { depth_m, disparity_px, error_m, error_share: error_m / depth_m })
         };
         let worth = |at: &At| at.error_share <= MEANINGFUL && at.disparity_px <= widest;
+        let StereoCamera { focal_px, baseline_m, doffs, cx, cy, .. } = *camera;
         Self {
-            camera: (*camera, true),
+            camera: Told { focal_px, baseline_m, doffs, cx: Some(cx), cy: Some(cy) },
             map: None,
             disparity_error_px,
             at: depth_m
@@ -140,7 +142,7 @@ impl Reach {
 
     /// In words and numbers.
     pub fn text(&self) -> String {
-        let StereoCamera { focal_px, baseline_m, doffs, .. } = self.camera.0;
+        let Told { focal_px, baseline_m, doffs, .. } = self.camera;
         let mut lines = self.map.as_ref().map_or_else(Vec::new, OfMap::lines);
         lines.push(format!(
             "camera  focal length {focal_px:.2} px, baseline {} m, doffs {doffs:.2} px",

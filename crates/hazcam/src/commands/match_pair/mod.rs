@@ -206,8 +206,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The left and the right image, at the same time where there may be two threads and the system has one: of large ones
-/// it takes as long as `fast` needs to match them.
+/// The left and the right image, at the same time where there may be two threads and the system has one.
 fn read_both(args: &Args) -> Result<[(Image, Input); 2], FormatError> {
     let Args { left, right, threads, .. } = args;
     if *threads == Some(1) {
@@ -264,8 +263,8 @@ fn options(args: &Args, columns: usize) -> anyhow::Result<(Options, Option<Strin
             let max = min.saturating_add(default_count(columns) - 1);
             let note = format!(
                 "disparities from {min} to {max} were assumed from the width of {columns}; \
-                 anything nearer is missed, and what has a smaller one: give --max-disparity, and \
-                 --min-disparity, if you know them"
+                 anything nearer is missed, and anything of less than {min}: give --max-disparity and \
+                 --min-disparity if you know them"
             );
             (max, Some(note))
         }

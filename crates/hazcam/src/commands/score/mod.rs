@@ -116,8 +116,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
 
     let pixels = evaluation.pixels(&region)?;
     if let Some(most) = args.max_disparity {
-        let beyond = pixels.iter().filter(|pixel| pixel.truth > most + 1.0).count();
-        let share = beyond as f64 / pixels.iter().count().max(1) as f64;
+        let truths = pixels.iter().map(|pixel| pixel.truth as f32);
+        let share = score::share_outside(truths, f32::NEG_INFINITY..=most as f32 + 1.0);
         if share > WORTH_TELLING {
             ui.note(format_args!(
                 "{:.1} % of the truth lies beyond --max-disparity {most}, to which estimates are clipped: they count \

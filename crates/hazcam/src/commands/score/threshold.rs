@@ -1,5 +1,6 @@
 //! `--fail-over MEASURE=VALUE`, and the limits of `hazcam bench`.
 
+use arena::report::shown_until;
 use std::str::FromStr;
 
 use score::{Measure, Scores, Unit};
@@ -81,19 +82,11 @@ impl Threshold {
         match value {
             None => Some(format!("{name} has no value, but must not be over {}", self.value)),
             Some(value) if value.abs() > self.value => {
-                Some(format!("{name} is {}, over {}", self.seen_over(value), self.value))
+                let shown = shown_until(value, 4, |shown| shown.abs() > self.value);
+                Some(format!("{name} is {shown}, over {}", self.value))
             }
             Some(_) => None,
         }
-    }
-}
-
-impl Threshold {
-    /// A value that is over the threshold, with four digits or as many as show that.
-    fn seen_over(&self, value: f64) -> String {
-        let shown = |digits: usize| format!("{value:.digits$}");
-        let is_over = |text: &String| text.parse().is_ok_and(|shown: f64| shown.abs() > self.value);
-        (4..20).map(shown).find(is_over).unwrap_or_else(|| value.to_string())
     }
 }
 

@@ -9,8 +9,8 @@
 //!
 //! and one with another focal length by `c y`. A lens whose elements are not in one line moves it by
 //! `p1 (x^2 + 3 y^2) + 2 p2 x y` (Brown, *Decentering Distortion of Lenses*, 1966). Neither angles nor focal lengths nor
-//! lenses have to be known for that: the six shapes `1, x, y, x y, y^2, x^2` are fitted as they come. How far away things are does not
-//! matter, as long as the cameras stand side by side. The same turns change disparity too, by
+//! lenses have to be known for that: the six shapes `1, x, y, x y, y^2, x^2` are fitted as they come. How far away things
+//! are does not matter, as long as the cameras stand side by side. The same turns change disparity too, by
 //! `yaw (1 + x^2)` and `roll y`, which nothing in the images tells apart from depth: that stays.
 
 use super::correspondence::Correspondence;
@@ -62,8 +62,24 @@ pub(crate) struct AlongRow {
 impl AlongRow {
     #[inline(always)]
     pub fn at(self, column: usize) -> f32 {
-        let column = column as f32;
+        self.between(column as f32)
+    }
+
+    #[inline(always)]
+    fn between(self, column: f32) -> f32 {
         self.first + (self.change + self.bend * column) * column
+    }
+
+    /// The least and the most of so many columns: it stands at their ends or where the bend turns.
+    pub fn extremes(self, columns: usize) -> [f32; 2] {
+        let last = (columns - 1) as f32;
+        // Without a bend that is nowhere, which no minimum counts.
+        let turn = (-0.5 * self.change / self.bend).clamp(0.0, last);
+        let all = [0.0, turn, last].map(|column| self.between(column));
+        [
+            all.into_iter().fold(f32::INFINITY, f32::min),
+            all.into_iter().fold(f32::NEG_INFINITY, f32::max),
+        ]
     }
 }
 
@@ -184,8 +200,10 @@ impl VerticalDisparity {
         let straight = model.fitted(found.clone(), OF_CAMERAS, ROUNDS, residuals);
         let bent = straight.fitted(found.clone(), SHAPES, MORE_ROUNDS, residuals);
         let is_bent = OF_SQUARE * bent.coefficients[OF_CAMERAS].abs() >= BENT;
-        let held = [bent].into_iter().filter(|_| is_bent).chain([straight]);
-        held.into_iter().find(|model| model.holds(found.clone(), count))
+        if is_bent && bent.holds(found.clone(), count) {
+            return Some(bent);
+        }
+        straight.holds(found, count).then_some(straight)
     }
 
     /// The fit by the first few shapes, so many rounds from this one on.
