@@ -36,8 +36,8 @@ The format of OUT follows its extension:
   .png   16 bit, 256 d, 0 where there is none (KITTI): 0 to below 256 pixels; less than 1/512 is 1/256
 OUT.json beside it records version, options, the inputs' SHA-256, times, the vertical disparity that
 was mended, and the share of pixels per reason. On an error nothing is written.
-Things stood lower in the right image by constant + x X + y Y + xy X Y + yy Y^2 + xx X^2 pixels, where X is
-column / columns - 0.5 and Y is row / rows - 0.5; the factors are its `coefficients`.
+Things stood lower in the right image by constant + x X + y Y + xy X Y + yy Y^2 + xx X^2 pixels,
+where X is column / columns - 0.5 and Y is row / rows - 0.5; the factors are its `coefficients`.
 
 Environment:
   HAZCAM_CPU  vector instructions to use instead of the best, see `hazcam doctor`
