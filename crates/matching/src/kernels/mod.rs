@@ -12,6 +12,7 @@ pub mod level;
 pub(crate) mod look_up;
 pub(crate) mod median;
 pub(crate) mod nearness;
+pub(crate) mod neurons;
 pub(crate) mod path;
 pub(crate) mod products;
 pub(crate) mod records;

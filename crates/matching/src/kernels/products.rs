@@ -18,6 +18,7 @@ use super::aligned::Line;
 use super::bits::Bits;
 use super::look_up::LookUp;
 use super::nearness::Nearness;
+use super::neurons::Neurons;
 use super::records::Records;
 use super::rounding::nearest;
 use super::unlike::Unlike;
@@ -90,6 +91,12 @@ impl Weighing {
         if sum < LARGEST { sum } else { LARGEST }
     }
 
+    /// So many bits of a sum are behind those of a sample.
+    #[inline(always)]
+    pub(in crate::kernels) fn fraction(self) -> u32 {
+        self.0
+    }
+
     /// The number that 1 in a sum stands for.
     pub fn unit(self) -> f32 {
         1.0 / ((1 << self.0) as f32 * ONE)
@@ -115,7 +122,7 @@ pub(crate) type Sums = Line<[i32; LANES]>;
 pub(crate) type Lanes = Line<[f32; LANES]>;
 
 /// What adds pairs of products at one level.
-pub(crate) trait Products: Bits + LookUp + Nearness + Records + Unlike {
+pub(crate) trait Products: Bits + LookUp + Nearness + Neurons + Records + Unlike {
     /// The samples that stand for two numbers of each lane, [`packed`]. No number is larger than samples can be; in
     /// lanes that nobody reads it may be NaN.
     fn pairs(self, numbers: &[Lanes; 2]) -> Sums;
@@ -126,20 +133,6 @@ pub(crate) trait Products: Bits + LookUp + Nearness + Records + Unlike {
     /// The same, pair after pair, for sums that grow together: all of them see the same pairs of the lanes, and
     /// share pairs of their own. Those of a vector stay in registers from the first pair to the last.
     fn add_all<const N: usize>(self, sums: &mut [Sums; N], shared: &[[Pair; N]], own: &[Sums]);
-
-    /// The same for two kinds of sums, each with pairs of its own, that share theirs with each other: where there are
-    /// registers for both, what is shared is read once.
-    #[inline(always)]
-    fn add_to_both<const N: usize>(
-        self,
-        sums: &mut [[Sums; N]; 2],
-        shared: &[[Pair; N]],
-        own: [&[Sums]; 2],
-    ) {
-        for (sums, own) in sums.iter_mut().zip(own) {
-            self.add_all(sums, shared, own);
-        }
-    }
 }
 
 /// The definition, which the compiler vectorises where nothing better is written out.
@@ -211,7 +204,7 @@ mod x86 {
     macro_rules! level {
         (
             $name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr,
-            $numbers:ident, |$a:ident, $b:ident| $pairs:expr $(, $together:item)?
+            $numbers:ident, |$a:ident, $b:ident| $pairs:expr
         ) => {
             #[derive(Clone, Copy)]
             pub(crate) struct $name(());
@@ -306,23 +299,33 @@ mod x86 {
                     shared: &[[Pair; N]],
                     own: &[Sums],
                 ) {
-                    for part in 0..Self::PARTS {
-                        let mut parts = sums.each_ref().map(|sums| self.read(sums, part));
-                        for (shared, own) in shared.iter().zip(own) {
-                            let own = self.read(own, part);
-                            for (part_of, shared) in parts.iter_mut().zip(shared) {
-                                // SAFETY: as in `add`.
-                                let shared = unsafe { $same(transmute::<Pair, i32>(*shared)) };
-                                *part_of = self.plus(*part_of, shared, own);
+                    const AT_ONCE: usize = 8 / $name::PARTS;
+                    for first in (0..N).step_by(AT_ONCE) {
+                        let sums = &mut sums[first..N.min(first + AT_ONCE)];
+                        // SAFETY: as in `plus`.
+                        let mut grown = [[unsafe { $same(0) }; Self::PARTS]; AT_ONCE];
+                        for (grown, sums) in grown.iter_mut().zip(&*sums) {
+                            for (part, grown) in grown.iter_mut().enumerate() {
+                                *grown = self.read(sums, part);
                             }
                         }
-                        for (part_of, sums) in parts.into_iter().zip(&mut *sums) {
-                            self.write(sums, part, part_of);
+                        for (shared, own) in shared.iter().zip(own) {
+                            let shared = &shared[first..][..sums.len()];
+                            for (grown, shared) in grown.iter_mut().zip(shared) {
+                                // SAFETY: as in `add`.
+                                let shared = unsafe { $same(transmute::<Pair, i32>(*shared)) };
+                                for (part, grown) in grown.iter_mut().enumerate() {
+                                    *grown = self.plus(*grown, shared, self.read(own, part));
+                                }
+                            }
+                        }
+                        for (sums, grown) in sums.iter_mut().zip(grown) {
+                            for (part, grown) in grown.into_iter().enumerate() {
+                                self.write(sums, part, grown);
+                            }
                         }
                     }
                 }
-
-                $($together)?
             }
         };
     }
@@ -368,36 +371,6 @@ mod x86 {
                 low,
                 _mm512_set1_epi32(0xFFFF),
             )
-        },
-        #[inline(always)]
-        fn add_to_both<const N: usize>(
-            self,
-            sums: &mut [[Sums; N]; 2],
-            shared: &[[Pair; N]],
-            [one, other]: [&[Sums]; 2],
-        ) {
-            // SAFETY: as in `add`.
-            let mut all = [[unsafe { _mm512_setzero_si512() }; N]; 2];
-            for (all, sums) in all.iter_mut().zip(&*sums) {
-                for (all, sums) in all.iter_mut().zip(sums) {
-                    *all = self.read(sums, 0);
-                }
-            }
-            for (shared, (one, other)) in shared.iter().zip(one.iter().zip(other)) {
-                let own = [self.read(one, 0), self.read(other, 0)];
-                for (n, shared) in shared.iter().enumerate() {
-                    // SAFETY: as in `add`.
-                    let shared = unsafe { _mm512_set1_epi32(transmute::<Pair, i32>(*shared)) };
-                    for (sums, own) in all.iter_mut().zip(own) {
-                        sums[n] = self.plus(sums[n], shared, own);
-                    }
-                }
-            }
-            for (sums, all) in sums.iter_mut().zip(all) {
-                for (sums, all) in sums.iter_mut().zip(all) {
-                    self.write(sums, 0, all);
-                }
-            }
         }
     );
 }
@@ -416,14 +389,6 @@ mod tests {
 
         fn all_added[products](sums: &mut [Sums; 8], shared: &[[Pair; 8]], own: &[Sums]) {
             products.add_all(sums, shared, own);
-        }
-
-        fn added_to_both[products](
-            sums: &mut [[Sums; 8]; 2],
-            shared: &[[Pair; 8]],
-            own: [&[Sums]; 2],
-        ) {
-            products.add_to_both(sums, shared, own);
         }
     }
 
@@ -468,21 +433,15 @@ mod tests {
             let shared: Vec<[Pair; 8]> = (0..pairs)
                 .map(|i| std::array::from_fn(|n| [extreme(5 * i + n), noise(11 * i + n) / 4]))
                 .collect();
-            let [own, of_another] = [90, 110].map(|step| -> Vec<Sums> {
-                let lane = |i, l| packed(half(step * i + l) / 8, half(70 * i + l) / 8);
-                (0..pairs).map(|i| Line(std::array::from_fn(|l| lane(i, l)))).collect()
-            });
+            let lane = |i, l| packed(half(90 * i + l) / 8, half(70 * i + l) / 8);
+            let own: Vec<Sums> =
+                (0..pairs).map(|i| Line(std::array::from_fn(|l| lane(i, l)))).collect();
             let mut expected = begin;
             Plain.add_all(&mut expected, &shared, &own);
-            let mut of_both = [begin, expected];
-            Plain.add_to_both(&mut of_both, &shared, [&own, &of_another]);
-            assert_eq!(of_both[0], expected);
             for level in Level::available() {
-                let (mut sums, mut both) = (begin, [begin, expected]);
+                let mut sums = begin;
                 all_added(level, &mut sums, &shared, &own);
                 assert_eq!(sums, expected, "{pairs} pairs, level {}", level.name());
-                added_to_both(level, &mut both, &shared, [&own, &of_another]);
-                assert_eq!(both, of_both, "{pairs} pairs, level {}", level.name());
             }
         }
     }

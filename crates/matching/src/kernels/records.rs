@@ -12,7 +12,7 @@
 //! A kernel asks for it in brackets, see [`at_every_level!`](super::level::at_every_level).
 
 use super::aligned::Line;
-use super::products::LANES;
+use super::products::{LANES, Lanes};
 
 /// Sixteen bytes: two words, or four of half the size of which the lower half comes first. It begins where vectors of
 /// that size may be read.
@@ -49,7 +49,13 @@ pub(crate) trait Records: Copy {
         words
     }
 
-    /// Samples from anywhere in a row of them.
+    /// Numbers from anywhere in a row of them.
+    #[inline(always)]
+    fn numbers(self, numbers: &[f32], places: &Places) -> Lanes {
+        Line(places.map(|place| numbers[place as usize]))
+    }
+
+    /// The same of other samples.
     #[inline(always)]
     fn samples<T: Copy>(self, samples: &[T], places: &Places) -> Line<[T; LANES]> {
         Line(places.map(|place| samples[place as usize]))
@@ -67,13 +73,13 @@ impl Records for super::products::Plain {}
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{LANES, Line, Places, Record, Records};
+    use super::{LANES, Lanes, Line, Places, Record, Records};
     use crate::kernels::products::{Avx2, Avx512, Baseline};
 
     macro_rules! records {
         (
             $level:ident, $part:ident, $same:ident, |$place:ident, $end:ident| $all_before:expr,
-            |$records:ident, $at:ident| $together:expr,
+            |$quarters:ident| $side_by_side:expr,
             $low_32:ident, $high_32:ident, $low_64:ident, $high_64:ident
         ) => {
             impl $level {
@@ -108,14 +114,17 @@ mod x86 {
                     first: usize,
                     every: usize,
                 ) -> $part {
-                    let mut $at = [0; Self::WIDE];
-                    for (i, at) in $at.iter_mut().enumerate() {
-                        *at = places[first + every * i] as usize;
-                    }
-                    let $records = records.as_ptr().cast::<__m128i>();
                     // SAFETY: whoever called vouched for the places, and whoever made `self` for the
                     // instructions; records begin where such vectors may.
-                    unsafe { $together }
+                    unsafe {
+                        let mut quarters = [_mm_setzero_si128(); Self::WIDE];
+                        for (i, quarter) in quarters.iter_mut().enumerate() {
+                            let place = places[first + every * i] as usize;
+                            *quarter = _mm_load_si128(records.as_ptr().add(place).cast());
+                        }
+                        let $quarters = quarters;
+                        $side_by_side
+                    }
                 }
             }
 
@@ -171,10 +180,29 @@ mod x86 {
                 }
 
                 #[inline(always)]
+                fn numbers(self, numbers: &[f32], places: &Places) -> Lanes {
+                    self.check(numbers, places);
+                    let mut taken = Line([0.0; LANES]);
+                    for part in 0..Self::PARTS {
+                        // SAFETY: all places were checked, and as in `check`.
+                        let of_part = unsafe {
+                            let mut quarters = [_mm_setzero_si128(); Self::WIDE];
+                            for (i, quarter) in quarters.iter_mut().enumerate() {
+                                *quarter = four(numbers, places, 4 * (Self::WIDE * part + i));
+                            }
+                            let $quarters = quarters;
+                            $side_by_side
+                        };
+                        self.write(&mut taken, part, of_part);
+                    }
+                    taken
+                }
+
+                #[inline(always)]
                 fn samples<T: Copy>(self, samples: &[T], places: &Places) -> Line<[T; LANES]> {
                     self.check(samples, places);
-                    // Written out: a closure is not always inlined, and then none of it is in registers.
                     let mut taken = Line([samples[places[0] as usize]; LANES]);
+                    // Written out: a closure is not always inlined, and then none of it is in registers.
                     for (taken, &place) in taken.iter_mut().zip(places.iter()) {
                         // SAFETY: all places were checked.
                         *taken = unsafe { *samples.get_unchecked(place as usize) };
@@ -183,6 +211,25 @@ mod x86 {
                 }
             }
         };
+    }
+
+    /// The numbers at four places from a first one on: what is written one by one is waited for when it is read
+    /// together.
+    ///
+    /// # Safety
+    ///
+    /// They must be there.
+    #[inline(always)]
+    unsafe fn four(numbers: &[f32], places: &Places, first: usize) -> __m128i {
+        // SAFETY: whoever called vouched for the places; the instructions are always there.
+        unsafe {
+            let a = _mm_load_ss(numbers.as_ptr().add(places[first] as usize));
+            let b = _mm_load_ss(numbers.as_ptr().add(places[first + 1] as usize));
+            let c = _mm_load_ss(numbers.as_ptr().add(places[first + 2] as usize));
+            let d = _mm_load_ss(numbers.as_ptr().add(places[first + 3] as usize));
+            let (ab, cd) = (_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d));
+            _mm_castps_si128(_mm_movelh_ps(ab, cd))
+        }
     }
 
     records!(
@@ -194,7 +241,7 @@ mod x86 {
             let before = _mm_cmplt_epi32(_mm_xor_si128(place, lowest), _mm_xor_si128(end, lowest));
             _mm_movemask_epi8(before) == 0xFFFF
         },
-        |records, at| _mm_load_si128(records.add(at[0])),
+        |quarters| quarters[0],
         _mm_unpacklo_epi32,
         _mm_unpackhi_epi32,
         _mm_unpacklo_epi64,
@@ -208,10 +255,10 @@ mod x86 {
             let beyond = _mm256_cmpeq_epi32(_mm256_max_epu32(place, end), place);
             _mm256_testz_si256(beyond, beyond) == 1
         },
-        |records, at| _mm256_inserti128_si256::<1>(
-            _mm256_castsi128_si256(_mm_load_si128(records.add(at[0]))),
-            _mm_load_si128(records.add(at[1])),
-        ),
+        |quarters| {
+            let one = _mm256_castsi128_si256(quarters[0]);
+            _mm256_inserti128_si256::<1>(one, quarters[1])
+        },
         _mm256_unpacklo_epi32,
         _mm256_unpackhi_epi32,
         _mm256_unpacklo_epi64,
@@ -222,11 +269,11 @@ mod x86 {
         __m512i,
         _mm512_set1_epi32,
         |place, end| _mm512_cmpge_epu32_mask(place, end) == 0,
-        |records, at| {
-            let one = _mm512_castsi128_si512(_mm_load_si128(records.add(at[0])));
-            let two = _mm512_inserti32x4::<1>(one, _mm_load_si128(records.add(at[1])));
-            let three = _mm512_inserti32x4::<2>(two, _mm_load_si128(records.add(at[2])));
-            _mm512_inserti32x4::<3>(three, _mm_load_si128(records.add(at[3])))
+        |quarters| {
+            let one = _mm512_castsi128_si512(quarters[0]);
+            let two = _mm512_inserti32x4::<1>(one, quarters[1]);
+            let three = _mm512_inserti32x4::<2>(two, quarters[2]);
+            _mm512_inserti32x4::<3>(three, quarters[3])
         },
         _mm512_unpacklo_epi32,
         _mm512_unpackhi_epi32,
@@ -256,6 +303,10 @@ mod tests {
         fn samples[products](records: &[Record], places: &Places) -> Line<[Record; LANES]> {
             products.samples(records, places)
         }
+
+        fn numbers[products](numbers: &[f32], places: &Places) -> Lanes {
+            products.numbers(numbers, places)
+        }
     }
 
     fn some(chance: &mut Chance, length: u32) -> (Vec<Record>, Places) {
@@ -284,6 +335,10 @@ mod tests {
                 assert_eq!(fourths(level, &records, &places), words, "of {length}");
                 assert_eq!(halves(level, &records, &places), wide, "of {length}");
                 assert_eq!(samples(level, &records, &places), Line(all), "of {length}");
+                let low = |record: &Record| record.0[0] as u16 as f32;
+                let floats: Vec<f32> = records.iter().map(low).collect();
+                let of_all = Line(all.each_ref().map(low));
+                assert_eq!(numbers(level, &floats, &places), of_all, "of {length}");
             }
         }
     }
@@ -292,24 +347,26 @@ mod tests {
     fn a_place_beyond_the_end_panics_at_every_level() {
         let (records, mut places) = some(&mut Chance(4), 40);
         let refused = |level, records: &[Record], places: &Places| {
-            let takes: [&dyn Fn(); 3] = [
+            let floats = vec![0.0; records.len()];
+            let takes: [&dyn Fn(); 4] = [
                 &|| _ = fourths(level, records, places),
                 &|| _ = halves(level, records, places),
                 &|| _ = samples(level, records, places),
+                &|| _ = numbers(level, &floats, places),
             ];
             takes.map(|take| std::panic::catch_unwind(AssertUnwindSafe(take)).is_err())
         };
         for level in Level::available() {
-            assert_eq!(refused(level, &records, &places), [false; 3], "all of them are there");
+            assert_eq!(refused(level, &records, &places), [false; 4], "all of them are there");
             for l in 0..LANES {
                 // The largest one is what a place before the beginning becomes.
                 for beyond in [40, i32::MAX as u32, 1 << 31, u32::MAX] {
                     let before = std::mem::replace(&mut places[l], beyond);
-                    assert_eq!(refused(level, &records, &places), [true; 3], "{beyond}");
+                    assert_eq!(refused(level, &records, &places), [true; 4], "{beyond}");
                     places[l] = before;
                 }
             }
-            assert_eq!(refused(level, &[], &Line([0; LANES])), [true; 3], "there are none");
+            assert_eq!(refused(level, &[], &Line([0; LANES])), [true; 4], "there are none");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Rounding to whole numbers in a way that every level does alike, and in two operations.
+//! Between whole numbers and others, in a way that every level does alike and in few operations.
 
 /// The whole number nearest to one that is smaller than 2^22.
 #[inline(always)]
@@ -6,6 +6,13 @@ pub(crate) fn nearest(number: f32) -> i32 {
     /// Adding it leaves no room for a fraction.
     const ROUNDING: f32 = 12_582_912.0;
     (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
+}
+
+/// The number that a column or a row is, of which there are fewer than 2^22: by way of 32 bits, since of 64 no level
+/// below AVX-512 makes vectors.
+#[inline(always)]
+pub(crate) fn as_number(column: usize) -> f32 {
+    column as i32 as f32
 }
 
 #[cfg(test)]

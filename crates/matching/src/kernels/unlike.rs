@@ -101,6 +101,33 @@ mod x86 {
     }
 
     impl Unlike for Avx2 {
+        #[inline(always)]
+        fn bits(self, words: &Words, others: &Words, mask: u64) -> Sums {
+            let mut bits = Line([0u64; LANES]);
+            // SAFETY: whoever made `self` vouched for the instructions; words are four such vectors, and lines begin
+            // where any vector may.
+            unsafe {
+                let of_half = _mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
+                let of_half = _mm256_broadcastsi128_si256(of_half);
+                let half = _mm256_set1_epi8(0xF);
+                let mask = _mm256_set1_epi64x(mask as i64);
+                let ours = words.as_ptr().cast::<__m256i>();
+                let theirs = others.as_ptr().cast::<__m256i>();
+                for part in 0..4 {
+                    let differ = _mm256_xor_si256(ours.add(part).read(), theirs.add(part).read());
+                    let differ = _mm256_and_si256(differ, mask);
+                    let low = _mm256_and_si256(differ, half);
+                    let high = _mm256_and_si256(_mm256_srli_epi16::<4>(differ), half);
+                    let [low, high] =
+                        [_mm256_shuffle_epi8(of_half, low), _mm256_shuffle_epi8(of_half, high)];
+                    let of_word =
+                        _mm256_sad_epu8(_mm256_add_epi8(low, high), _mm256_setzero_si256());
+                    bits.as_mut_ptr().cast::<__m256i>().add(part).write(of_word);
+                }
+            }
+            self.narrow(&bits)
+        }
+
         bytes!(
             __m256i,
             _mm256_set1_epi64x,
@@ -111,7 +138,7 @@ mod x86 {
             _mm256_and_si256,
             _mm256_sad_epu8,
             _mm256_setzero_si256,
-            |_this, sums| lower_halves(sums)
+            |this, sums| this.narrow(sums)
         );
     }
 
@@ -146,6 +173,26 @@ mod x86 {
             _mm512_setzero_si512,
             |this, sums| this.narrow(sums)
         );
+    }
+
+    impl Avx2 {
+        /// The lower halves of words.
+        #[inline(always)]
+        fn narrow(self, words: &Words) -> Sums {
+            let mut narrow = Line([0; LANES]);
+            for part in 0..2 {
+                // SAFETY: whoever made `self` vouched for the instructions; words are four such vectors, and lines
+                // begin where any vector may.
+                let even = unsafe {
+                    let words = words.as_ptr().cast::<__m256>().add(2 * part);
+                    let even =
+                        _mm256_shuffle_ps::<0b10_00_10_00>(words.read(), words.add(1).read());
+                    _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(even))
+                };
+                self.write(&mut narrow, part, even);
+            }
+            narrow
+        }
     }
 
     impl Avx512 {

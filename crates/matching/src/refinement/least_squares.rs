@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use crate::cost::MatchedRows;
 use crate::kernels::cubic::cubic;
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::rounding::nearest;
+use crate::kernels::rounding::{as_number, nearest};
 use crate::profile::Work;
 
 /// Half the window, which is 7 columns by 7 matched rows: 13 rows of the image in `balanced`, which matches every
@@ -231,7 +231,7 @@ at_every_level! {
             let last = right.len() as f32 - 3.0;
             for i in 0..BLOCK {
                 let here = disparities[i + 1];
-                let place = (first + start + i) as f32 - here;
+                let place = as_number(first + start + i) - here;
                 let one_surface = ((disparities[i] - here).abs() <= ONE_SURFACE)
                     & ((disparities[i + 2] - here).abs() <= ONE_SURFACE);
                 let is = is_matched[i] & one_surface & (place >= 1.0) & (place <= last);

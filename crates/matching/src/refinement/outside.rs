@@ -5,12 +5,13 @@
 use raster::{DisparityMap, DisparityRange, Reason};
 
 use crate::kernels::level::at_every_level;
+use crate::kernels::rounding::as_number;
 
 /// Whether a pixel of the left image with this disparity matches none of the right one, of so many columns.
 #[inline(always)]
 pub(crate) fn is_outside(width: usize, column: usize, disparity: f32) -> bool {
-    let right = column as f32 - disparity;
-    (right < -0.5) | (right > width as f32 - 0.5)
+    let right = as_number(column) - disparity;
+    (right < -0.5) | (right > as_number(width) - 0.5)
 }
 
 /// The most that is believed of what was filled, and of what lies within half a pixel of an end of the range: of what is
@@ -39,7 +40,9 @@ at_every_level! {
             let is_unsure =
                 (told != Matched) | (disparity <= farthest) | (disparity >= nearest);
             let most = if is_unsure { UNSURE } else { 1.0 };
-            *confidence = if *confidence < most { *confidence } else { most };
+            // Bits of numbers that are not negative are in their order. Of a condition here the compiler makes
+            // another one, whether to write, which AVX2 is slow at.
+            *confidence = f32::from_bits(confidence.to_bits().min(most.to_bits()));
             *reason = told;
         }
     }

@@ -69,8 +69,8 @@ fn winners_opposite(
     for (first, (index, opposite)) in (0..).step_by(LANES).zip(blocks) {
         let n = index.len();
         let mut places = [0; LANES];
-        for (i, (place, &k)) in places.iter_mut().zip(index).enumerate() {
-            *place = (i + farthest) as u16 - k;
+        for (i, (place, &k)) in (farthest as u16..).zip(places.iter_mut().zip(index)) {
+            *place = i - k;
         }
         let table = &reach[first..][..n + farthest];
         opposite.copy_from_slice(&tables.look_up(table, &places)[..n]);

@@ -12,6 +12,7 @@ use raster::{Plane, Reason};
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
+use crate::kernels::rounding::as_number;
 use crate::profile::Work;
 
 /// How far the two views may disagree, in pixels.
@@ -163,10 +164,10 @@ fn targets(
     other_first: usize,
     (above, below): (f32, f32),
 ) -> [u32; BLOCK] {
-    let (mirrored, other_first) = ((width - 1) as f32, other_first as f32);
+    let (mirrored, other_first) = (as_number(width - 1), as_number(other_first));
     let mut targets = [NOWHERE; BLOCK];
     for i in 0..BLOCK {
-        let target = mirrored - ((first + apart * i) as f32 - disparities[i]) - other_first;
+        let target = mirrored - (as_number(first + apart * i) - disparities[i]) - other_first;
         let inside = (target > above) & (target < below);
         // To the nearest: nothing here is below -0.5.
         targets[i] = if inside { (target + 0.5) as i32 as u32 } else { NOWHERE };

@@ -333,7 +333,7 @@ impl Block {
             at[l] = (self.begins[l] + clamped) as u32;
             mirrored[l] = (self.begins[l] + (last - clamped)) as u32;
         }
-        let right = products.samples(compared.right, &mirrored);
+        let right = products.numbers(compared.right, &mirrored);
         let met = Several::at(products, compared.other, &at);
         let Fits { bits, bits_here, steps } = self.windows.fit(products, &met);
         for l in 0..LANES {

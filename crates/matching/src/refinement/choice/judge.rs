@@ -18,14 +18,12 @@ use super::hint::{Hints, IN_CONTEXT, OF_EACH};
 use super::reach::{MOST, Reach};
 use super::verdict::Odds;
 use crate::kernels::aligned::Line;
-use crate::kernels::products::{Lanes, Pair, Products, Sums, Weighing, packed};
+use crate::kernels::neurons::TOGETHER;
+use crate::kernels::products::{Lanes, Pair, Products, Sums, Weighing};
 use crate::profile::Work;
 
 /// The most numbers that a layer has.
 const LARGEST: usize = 32;
-
-/// Sums that grow together: each number of the layer before is read once for all of these.
-const TOGETHER: usize = 8;
 
 /// The numbers of the context, none where there is no context, and of the two layers between; each a multiple of
 /// [`TOGETHER`].
@@ -43,7 +41,7 @@ impl Layers {
     }
 }
 
-/// Two numbers of each pixel, [`packed`].
+/// Two numbers of each pixel, [`packed`](crate::kernels::products::packed).
 type Pairs = Sums;
 
 /// The weights of a judge, those of [`TOGETHER`] sums for one pair of numbers after the other.
@@ -245,10 +243,10 @@ impl Judge {
         all[known..][..pairs.len()].copy_from_slice(pairs);
         let all = &all[..known + pairs.len()];
         let offsets = self.context_offsets.as_chunks().0;
-        let groups = context.as_chunks_mut::<{ TOGETHER / 2 }>().0.iter_mut().zip(offsets);
+        let groups = context.as_chunks_mut().0.iter_mut().zip(offsets);
         for ((out, offsets), weights) in groups.zip(self.of_all.chunks_exact(all.len())) {
-            let sums = weighted(products, [Line([0; LANES]); TOGETHER], weights, all);
-            *out = layer(self.context, &sums, offsets);
+            let begin = [Line([0; LANES]); TOGETHER];
+            products.layer(&begin, weights, [all], [offsets], self.context, [out]);
         }
     }
 
@@ -263,71 +261,19 @@ impl Judge {
         let of_each =
             self.of_each.chunks_exact(self.of_each.len() / (self.layers.first / TOGETHER));
         for (group, (weights, own)) in of_each.zip(own).enumerate() {
-            let mut sums = [*own; 2];
-            products.add_to_both(&mut sums, weights, hints);
-            for i in 0..2 {
-                let numbers = numbers[i].as_chunks_mut::<{ TOGETHER / 2 }>().0;
-                numbers[group] = layer(self.first, &sums[i], &places[i][group]);
-            }
+            let numbers = numbers.each_mut().map(|of_one| &mut of_one.as_chunks_mut().0[group]);
+            let places = places.map(|of_one| &of_one[group]);
+            products.layer(own, weights, hints, places, self.first, numbers);
         }
         let used = self.layers.first / 2;
         let numbers = [&numbers[0][..used], &numbers[1][..used]];
         let mut both = [NONE; 2];
         let ends = self.offsets.as_chunks().0.iter().zip(self.last.as_chunks().0);
         for (weights, (offsets, last)) in self.weights.chunks_exact(numbers[0].len()).zip(ends) {
-            let mut sums = [[Line([0; LANES]); TOGETHER]; 2];
-            products.add_to_both(&mut sums, weights, numbers);
-            for (score, sums) in both.iter_mut().zip(&sums) {
-                add_scores(score, sums, offsets, last);
-            }
+            products.score(&mut both, weights, numbers, offsets, last);
         }
         scores[k..][..2].copy_from_slice(&both);
     }
-}
-
-/// Adds to scores what the sums of the second layer say.
-#[inline(always)]
-fn add_scores(
-    scores: &mut Lanes,
-    sums: &[Sums; TOGETHER],
-    offsets: &[i32; TOGETHER],
-    weights: &[f32; TOGETHER],
-) {
-    for t in 0..TOGETHER {
-        for l in 0..LANES {
-            let sum = sums[t][l] + offsets[t];
-            let positive = if sum > 0 { sum } else { 0 };
-            scores[l] += weights[t] * positive as f32;
-        }
-    }
-}
-
-/// Numbers of a layer: sums, and what is to be added to them.
-#[inline(always)]
-fn layer(
-    weighing: Weighing,
-    sums: &[Sums; TOGETHER],
-    offsets: &[i32; TOGETHER],
-) -> [Pairs; TOGETHER / 2] {
-    let [a, b, c, d, e, f, g, h] = sums;
-    let [of_a, of_b, of_c, of_d, of_e, of_f, of_g, of_h] = *offsets;
-    [
-        pair(weighing, (a, of_a), (b, of_b)),
-        pair(weighing, (c, of_c), (d, of_d)),
-        pair(weighing, (e, of_e), (f, of_f)),
-        pair(weighing, (g, of_g), (h, of_h)),
-    ]
-}
-
-#[inline(always)]
-fn pair(weighing: Weighing, (one, to_one): (&Sums, i32), (other, to_other): (&Sums, i32)) -> Pairs {
-    let mut pairs = Line([0; LANES]);
-    for l in 0..LANES {
-        let one = weighing.sample(one[l] + to_one, 0);
-        let other = weighing.sample(other[l] + to_other, 0);
-        pairs[l] = packed(one, other);
-    }
-    pairs
 }
 
 /// The weights of rows, those of [`TOGETHER`] rows for one pair of columns after the other.
