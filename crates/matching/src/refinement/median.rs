@@ -52,13 +52,16 @@ at_every_level! {
             for (row, near) in rows.iter().zip(&mut near) {
                 copy_with_ends(row, block * BLOCK, 1, near);
             }
+            // Not in place: below AVX-512 the compiler would write what moves, and nothing else.
+            let mut sorted = [[0.0; BLOCK + 2]; 3];
             for i in 0..BLOCK + 2 {
-                [near[0][i], near[1][i], near[2][i]] = sort_3([near[0][i], near[1][i], near[2][i]]);
+                [sorted[0][i], sorted[1][i], sorted[2][i]] =
+                    sort_3([near[0][i], near[1][i], near[2][i]]);
             }
             let mut found = [0.0; BLOCK];
             for i in 0..BLOCK {
                 let [[_, _, a], [_, b, _], [c, _, _]] =
-                    near.each_ref().map(|row| sort_3([row[i], row[i + 1], row[i + 2]]));
+                    sorted.each_ref().map(|row| sort_3([row[i], row[i + 1], row[i + 2]]));
                 found[i] = sort_3([a, b, c])[1];
             }
             medians.copy_from_slice(&found[..medians.len()]);

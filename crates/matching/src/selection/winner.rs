@@ -301,8 +301,10 @@ fn meet_block(turns: &[Vec<u16>; TURNS], apart: u32, right: &mut [Key]) {
         let column = u32::from(marked) % TAGS as u32;
         let disparity = (place as u32 + apart * column).wrapping_sub(apart * TAGS as u32);
         let sum = u32::from(marked) / TAGS as u32;
-        let found = if marked == NO_SUM { Key::NONE.0 } else { sum << 16 | disparity & 0xFFFF };
-        key.0 = key.0.min(found);
+        // All bits where there is no sum. Of a condition the compiler would make another one, whether to write, which
+        // AVX2 is slow at.
+        let none = ((u32::from(marked) + 1) >> u16::BITS).wrapping_neg();
+        key.0 = key.0.min(sum << 16 | disparity & 0xFFFF | none);
     }
 }
 
