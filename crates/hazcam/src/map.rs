@@ -47,7 +47,13 @@ pub fn sha256_of(bytes: &[u8]) -> String {
 impl Map {
     /// Reads a map and says what had to be assumed.
     pub fn read(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Self> {
-        let disparities = disparities(path, encoding, ui)?;
+        let disparities = match disparities(path, encoding, ui)? {
+            // Where 0 says that there is none, a disparity of 0 is written as the least that is left: it is no distance.
+            (values, Encoding::Png16 { divisor: KITTI }) => {
+                values.map(|&d| if d == 1.0 / KITTI { 0.0 } else { d })
+            }
+            (values, _) => values,
+        };
         if let Some(doubt) = camera::too_large(&disparities) {
             ui.warn(format_args!("{}: {doubt}", path.display()));
         }
@@ -116,7 +122,7 @@ impl Map {
 
     /// The true disparities. Says what had to be assumed.
     pub fn truth(&self, path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Plane<f32>> {
-        let truth = disparities(path, encoding, ui)?;
+        let (truth, _) = disparities(path, encoding, ui)?;
         self.same_size(path, truth.size())?;
         Ok(truth)
     }
@@ -137,18 +143,14 @@ impl Map {
     }
 }
 
-/// Reads disparities and says what had to be assumed.
-fn disparities(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<Plane<f32>> {
+/// What KITTI's samples of 16 bits are divided by.
+const KITTI: f32 = 256.0;
+
+/// Reads disparities, in which encoding they were, and says what had to be assumed.
+fn disparities(path: &Path, encoding: Encoding, ui: &Ui) -> anyhow::Result<(Plane<f32>, Encoding)> {
     let ReadDisparity { values, encoding, note } = formats::read_disparity(path, encoding)?;
     if let Some(note) = note {
         ui.note(format_args!("{}: {note}", path.display()));
     }
-    Ok(match encoding {
-        // Where 0 says that there is none, a disparity of 0 is written as the least that is left: it is no distance.
-        Encoding::Png16 { divisor } => {
-            let least = 1.0 / divisor;
-            values.map(|&d| if d == least { 0.0 } else { d })
-        }
-        _ => values,
-    })
+    Ok((values, encoding))
 }

@@ -2,7 +2,7 @@
 //!
 //! With light `L` per channel (1 fills the sensor), the grey value before noise is
 //!
-//! `v = gain * (min(exposure * L, 1) ^ (1 / 2.2)) ^ gamma`, on the scale 0 to 1,
+//! `v = min(gain * (min(exposure * L, 1) ^ (1 / 2.2)) ^ gamma, 1)`, on the scale 0 to 1,
 //!
 //! grey images take the BT.601 luma of the three channels' `v`, and a sample is
 //! `v + noise`, cut to the scale and rounded. Noise is normal, independent per sample, of equal

@@ -35,7 +35,8 @@ def read_disparity(path: str | PathLike[str], encoding: str = "auto") -> NDArray
     ``encoding`` says how the file stands for them: ``"pfm"``, ``"npy"``, ``"tiff"``, ``"png8/K"``
     and ``"png16/K"`` (disparity = value / K, 0 is none; ``png8/4`` for Cones and Teddy,
     ``png16/256`` for KITTI). ``"auto"`` goes by content, and warns (HazcamWarning) where it had to
-    assume a scale.
+    assume a scale.  A KITTI PNG cannot hold a disparity of 0, which is "none" there: writers store
+    1/256, which is read as that.
 
     Raises MissingFileError, FileAccessError, FileContentError, ArgumentError.
     """

@@ -1,5 +1,5 @@
 //! What must be quick. One file per kernel: the scalar definition, the body that the compiler
-//! vectorises (in seven of them, the vectors themselves), and the test that they agree bit for bit at
+//! vectorises (in eight of them, the vectors themselves), and the test that they agree bit for bit at
 //! every level of the processor.
 
 pub(crate) mod ahead;

@@ -200,6 +200,19 @@ mod x86 {
 
     use super::{LANES, Lanes, Line, Pair, Products, Sums};
 
+    /// What vectors are read from and written to.
+    ///
+    /// # Safety
+    ///
+    /// As long as a number of 32 bits for each lane; all bits belong to it, and any bits are such a value.
+    pub(in crate::kernels) unsafe trait AnyBits {}
+
+    // SAFETY: numbers hold any bits, and all of them are as many bytes.
+    unsafe impl AnyBits for [f32; LANES] {}
+    unsafe impl AnyBits for [i32; LANES] {}
+    unsafe impl AnyBits for [u32; LANES] {}
+    unsafe impl AnyBits for [i16; 2 * LANES] {}
+
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
         (
@@ -224,28 +237,27 @@ mod x86 {
 
                 /// A part of the numbers of all lanes.
                 #[inline(always)]
-                pub(in crate::kernels) fn read<A: Copy>(
+                pub(in crate::kernels) fn read<A: AnyBits>(
                     self,
                     numbers: &Line<A>,
                     part: usize,
                 ) -> $sums {
-                    const { assert!(size_of::<A>() == size_of::<[i32; LANES]>()) };
                     assert!(part < Self::PARTS);
-                    // SAFETY: the part lies within the numbers, whose bits any vector holds.
+                    // SAFETY: the part lies within the numbers, which are as long as all parts, and any vector holds
+                    // their bits.
                     unsafe { std::ptr::from_ref(numbers).cast::<$sums>().add(part).read() }
                 }
 
                 /// Writes a part of them.
                 #[inline(always)]
-                pub(in crate::kernels) fn write<A: Copy>(
+                pub(in crate::kernels) fn write<A: AnyBits>(
                     self,
                     numbers: &mut Line<A>,
                     part: usize,
                     of_part: $sums,
                 ) {
-                    const { assert!(size_of::<A>() == size_of::<[i32; LANES]>()) };
                     assert!(part < Self::PARTS);
-                    // SAFETY: as in `read`.
+                    // SAFETY: as in `read`, and numbers hold any bits.
                     unsafe { std::ptr::from_mut(numbers).cast::<$sums>().add(part).write(of_part) }
                 }
 
