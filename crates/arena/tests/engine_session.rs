@@ -17,7 +17,7 @@ fn shell(script: &str) -> Command {
 }
 
 fn limits() -> Limits {
-    Limits { start: Duration::from_secs(60), wall: Duration::from_secs(60), cpu: None }
+    Limits { wall: Duration::from_secs(60), ..Limits::default() }
 }
 
 fn job(number: u64, scratch: &Path) -> Job {
@@ -186,6 +186,18 @@ fn spinning_runs_into_the_cpu_limit_also_in_a_child() {
         let status = first_job(script, limits);
         assert!(status.to_string().contains("CPU time"), "{status}");
     }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn who_sleeps_is_stopped_and_who_computes_is_not() {
+    let limits = Limits { idle: Some(Duration::from_secs(1)), ..limits() };
+    let status = first_job("read line; sleep 600", limits);
+    assert!(status.to_string().contains("no CPU time for 1 s"), "{status}");
+    // For three seconds it computes all the time.
+    let busy = "read line; end=$(($(date +%s) + 3)); while [ $(date +%s) -lt $end ]; do :; done";
+    let script = format!(r#"{busy}; echo '{{"hazcam":"done","job":1}}'; read line"#);
+    assert_eq!(first_job(&script, limits), Status::Done);
 }
 
 #[test]

@@ -12,11 +12,15 @@ pub struct Limits {
     /// One job (CPU time of all threads); `None` sets no limit. Without effect where the system
     /// does not tell the CPU time of another process.
     pub cpu: Option<Duration>,
+    /// Without computing anything (wall time), as one that sleeps or waits for what never comes; `None` sets no limit.
+    /// Without effect where CPU time is not told.
+    pub idle: Option<Duration>,
 }
 
 impl Default for Limits {
-    /// A minute to start, ten minutes a job, no limit of CPU time.
+    /// A minute to start, ten minutes a job, no other limit.
     fn default() -> Self {
-        Self { start: Duration::from_secs(60), wall: Duration::from_secs(600), cpu: None }
+        let (start, wall) = (Duration::from_secs(60), Duration::from_secs(600));
+        Self { start, wall, cpu: None, idle: None }
     }
 }

@@ -89,7 +89,8 @@ fn watch(
     let past_limit = loop {
         let exited = process::wait_for_exit(&mut child, POLL);
         *usage = meter.sample();
-        let past_limit = Status::past_limit(usage, limits.wall, limits.cpu);
+        let past_limit = Status::past_limit(usage, limits.wall, limits.cpu)
+            .or_else(|| Status::idle(meter.idle(), limits.idle));
         if exited || past_limit.is_some() {
             break past_limit;
         }

@@ -242,7 +242,10 @@ impl Session {
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let usage = meter.sample();
-            if let Some(status) = Status::past_limit(&usage, wall, cpu) {
+            let past_limit = Status::past_limit(&usage, wall, cpu);
+            if let Some(status) =
+                past_limit.or_else(|| Status::idle(meter.idle(), self.limits.idle))
+            {
                 return Err(status);
             }
             if self.deaf.load(Ordering::Relaxed) {

@@ -175,6 +175,18 @@ impl Status {
     }
 }
 
+impl Status {
+    /// The status of a process that has computed nothing for longer than it may.
+    pub(crate) fn idle(idle: Option<Duration>, limit: Option<Duration>) -> Option<Self> {
+        let limit = limit.filter(|limit| idle.is_some_and(|idle| idle > *limit))?.as_secs_f64();
+        Some(Self::Timeout {
+            message: format!(
+                "{PAST_LIMIT}no CPU time for {limit} s when it was killed: it sleeps or waits for something"
+            ),
+        })
+    }
+}
+
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.message() {

@@ -33,19 +33,27 @@ pub(crate) struct Meter {
     cpu_before: Duration,
     cpu: Option<Duration>,
     peak_memory: Option<u64>,
+    /// When it was last seen to have computed something, and its CPU time then.
+    busy: (Instant, Duration),
 }
+
+/// Who uses less CPU time is idle: to wake now and then and look costs less.
+const COMPUTING: Duration = Duration::from_millis(100);
 
 impl Meter {
     /// From the birth of a process that was started this moment.
     pub fn from_birth(pid: u32, started: Instant) -> Self {
-        Self { pid, started, cpu_before: Duration::ZERO, cpu: None, peak_memory: None }
+        let busy = (started, Duration::ZERO);
+        Self { pid, started, cpu_before: Duration::ZERO, cpu: None, peak_memory: None, busy }
     }
 
     /// From now on.
     pub fn from_now(pid: u32) -> Self {
         system::reset_peak_memory(pid);
         let cpu_before = system::cpu_time(pid).unwrap_or_default();
-        Self { pid, started: Instant::now(), cpu_before, cpu: None, peak_memory: None }
+        let started = Instant::now();
+        let busy = (started, Duration::ZERO);
+        Self { pid, started, cpu_before, cpu: None, peak_memory: None, busy }
     }
 
     /// Reads the clocks. What cannot be read any more keeps its last value, so that a killed
@@ -53,7 +61,11 @@ impl Meter {
     pub fn sample(&mut self) -> Usage {
         let wall = self.started.elapsed();
         if let Some(cpu) = system::cpu_time(self.pid) {
-            self.cpu = Some(cpu.saturating_sub(self.cpu_before));
+            let cpu = cpu.saturating_sub(self.cpu_before);
+            self.cpu = Some(cpu);
+            if cpu >= self.busy.1 + COMPUTING {
+                self.busy = (Instant::now(), cpu);
+            }
         }
         if let Some(bytes) = system::peak_memory(self.pid) {
             self.peak_memory = Some(bytes);
@@ -63,6 +75,12 @@ impl Meter {
             wall_seconds: wall.as_secs_f64(),
             peak_memory_bytes: self.peak_memory,
         }
+    }
+
+    /// How long it has computed nothing to speak of, as seen by looking now and then; `None` where the system does not
+    /// tell.
+    pub fn idle(&self) -> Option<Duration> {
+        self.cpu.map(|_| self.busy.0.elapsed())
     }
 }
 

@@ -30,6 +30,10 @@ impl Default for Allowance {
     }
 }
 
+/// So long may an entrant compute nothing: one that sleeps would else hold up a class for three times what it may
+/// compute.
+const IDLE: Duration = Duration::from_secs(60);
+
 /// How entrants are run.
 #[derive(Debug, Clone)]
 pub struct Confinement {
@@ -170,7 +174,7 @@ impl Confinement {
     /// The limits of time.
     pub(super) fn limits(&self, cpu: Duration) -> engine::Limits {
         let wall = cpu * 3 + Duration::from_secs(10);
-        engine::Limits { start: self.allowance.start, wall, cpu: Some(cpu) }
+        engine::Limits { start: self.allowance.start, wall, cpu: Some(cpu), idle: Some(IDLE) }
     }
 
     /// What an entrant with these folders may touch.

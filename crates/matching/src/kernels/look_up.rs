@@ -59,22 +59,28 @@ mod x86 {
         // SAFETY: these instructions are always there, both sides of a transmutation are plain numbers of the same size,
         // and no place lies beyond the last of the table.
         unsafe {
+            // Written out: a closure is not always inlined.
             let parts = transmute::<[u16; LANES], [__m128i; PARTS]>(*places);
-            let beyond = |part| _mm_subs_epu16(part, _mm_set1_epi16(last as i16));
-            let [a, b, c, d] = parts.map(beyond);
-            let beyond = _mm_or_si128(_mm_or_si128(a, b), _mm_or_si128(c, d));
+            let mut beyond = _mm_setzero_si128();
+            for part in parts {
+                let of_part = _mm_subs_epu16(part, _mm_set1_epi16(last as i16));
+                beyond = _mm_or_si128(beyond, of_part);
+            }
             let is_there = _mm_cmpeq_epi16(beyond, _mm_setzero_si128());
             assert!(_mm_movemask_epi8(is_there) == 0xFFFF, "the last is {last}: {places:?}");
-            let eights = transmute::<[u16; LANES], [[u16; 8]; PARTS]>(*places);
-            let numbers = eights.map(|eight| {
-                let [a, b, c, d, e, f, g, h] =
-                    eight.map(|place| i32::from(*table.get_unchecked(usize::from(place))));
+            let mut found = [_mm_setzero_si128(); PARTS];
+            for (found, places) in found.iter_mut().zip(places.as_chunks::<8>().0) {
+                let mut eight = [0; 8];
+                for (number, &place) in eight.iter_mut().zip(places) {
+                    *number = i32::from(*table.get_unchecked(usize::from(place)));
+                }
+                let [a, b, c, d, e, f, g, h] = eight;
                 let numbers = _mm_insert_epi16::<1>(_mm_cvtsi32_si128(a), b);
                 let numbers = _mm_insert_epi16::<3>(_mm_insert_epi16::<2>(numbers, c), d);
                 let numbers = _mm_insert_epi16::<5>(_mm_insert_epi16::<4>(numbers, e), f);
-                _mm_insert_epi16::<7>(_mm_insert_epi16::<6>(numbers, g), h)
-            });
-            transmute::<[__m128i; PARTS], [u16; LANES]>(numbers)
+                *found = _mm_insert_epi16::<7>(_mm_insert_epi16::<6>(numbers, g), h);
+            }
+            transmute::<[__m128i; PARTS], [u16; LANES]>(found)
         }
     }
 
@@ -84,7 +90,11 @@ mod x86 {
             // SAFETY: whoever made `self` vouched for the instructions, and both sides of a transmutation are
             // plain numbers of the same size.
             unsafe {
+                let last = table.len().checked_sub(1).expect("a table has a number");
+                let last = _mm512_set1_epi16(u16::try_from(last).unwrap_or(u16::MAX) as i16);
+                let all = places;
                 let places = transmute::<[u16; LANES], __m512i>(*places);
+                assert!(_mm512_cmpgt_epu16_mask(places, last) == 0, "beyond the last: {all:?}");
                 let part_of = _mm512_srli_epi16::<6>(places);
                 let mut numbers = _mm512_setzero_si512();
                 for (part, table) in (0..).zip(table.chunks(2 * LANES)) {
@@ -120,6 +130,8 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
     use crate::kernels::level::{Level, at_every_level};
+    use crate::kernels::products::Plain;
+    use std::panic::AssertUnwindSafe;
 
     at_every_level! {
         fn numbers[tables](table: &[u16], places: &[u16; LANES]) -> [u16; LANES] {
@@ -135,10 +147,31 @@ mod tests {
             let mut places = [0; LANES].map(|_: u16| chance.below(length) as u16);
             // Its ends are asked for too.
             (places[5], places[31]) = (0, (length - 1) as u16);
-            let expected = places.map(|place| table[usize::from(place)]);
+            let expected = Plain.look_up(&table, &places);
+            assert_eq!((expected[5], expected[31]), (table[0], table[table.len() - 1]));
             for level in Level::available() {
                 eprintln!("level {}", level.name());
                 assert_eq!(numbers(level, &table, &places), expected, "of {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_beyond_the_end_panics_at_every_level() {
+        let table = [7; 40];
+        let refused = |level, table: &[u16], places: &[u16; LANES]| {
+            let look_up = AssertUnwindSafe(|| _ = numbers(level, table, places));
+            std::panic::catch_unwind(look_up).is_err()
+        };
+        for level in Level::available() {
+            assert!(!refused(level, &table, &[39; LANES]));
+            assert!(refused(level, &[], &[0; LANES]), "there are none");
+            for l in 0..LANES {
+                for beyond in [40, 63, 64, 0x7FFF, 0x8000, u16::MAX] {
+                    let mut places = [39; LANES];
+                    places[l] = beyond;
+                    assert!(refused(level, &table, &places), "{beyond}, {}", level.name());
+                }
             }
         }
     }

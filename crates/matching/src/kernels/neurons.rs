@@ -1,8 +1,8 @@
 //! Layers of small networks: sums of products, and the numbers or the score that become of them.
 //!
 //! ```text
-//! s_tl     = b_tl + sum of (w_it0 f_il0 + w_it1 f_il1) over all pairs i
-//! number_tl = max(0, (s_tl + o_t) / unit)
+//! s_tl      = b_tl + sum of (w_it0 f_il0 + w_it1 f_il1) over all pairs i
+//! number_tl = (s_tl + o_t) >> fraction, from 0 to the largest sample
 //! score_l  += sum of v_t max(0, s_tl + o_t) over t
 //! ```
 //!
@@ -22,7 +22,7 @@ use super::products::{LANES, Lanes, Pair, Sums, Weighing, packed};
 pub(crate) const TOGETHER: usize = 8;
 
 /// The numbers of as many neurons, [`packed`] two by two.
-pub(crate) type Neighbours = [Sums; TOGETHER / 2];
+pub(crate) type OfNeurons = [Sums; TOGETHER / 2];
 
 /// What works layers out at one level.
 pub(crate) trait Neurons: Copy {
@@ -35,7 +35,7 @@ pub(crate) trait Neurons: Copy {
         from: [&[Sums]; KINDS],
         offsets: [&[i32; TOGETHER]; KINDS],
         weighing: Weighing,
-        numbers: [&mut Neighbours; KINDS],
+        numbers: [&mut OfNeurons; KINDS],
     ) {
         for ((from, offsets), numbers) in from.into_iter().zip(offsets).zip(numbers) {
             let sums = grown(*begin, weights, from);
@@ -57,7 +57,7 @@ pub(crate) trait Neurons: Copy {
         weights: &[[Pair; TOGETHER]],
         from: [&[Sums]; KINDS],
         offsets: &[i32; TOGETHER],
-        of_scores: &[f32; TOGETHER],
+        shares: &[f32; TOGETHER],
     ) {
         for (scores, from) in scores.iter_mut().zip(from) {
             let sums = grown([Line([0; LANES]); TOGETHER], weights, from);
@@ -65,7 +65,7 @@ pub(crate) trait Neurons: Copy {
                 for l in 0..LANES {
                     let sum = sums[t][l] + offsets[t];
                     let positive = if sum > 0 { sum } else { 0 };
-                    scores[l] += of_scores[t] * positive as f32;
+                    scores[l] += shares[t] * positive as f32;
                 }
             }
         }
@@ -102,22 +102,26 @@ mod x86 {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{Lanes, Neighbours, Neurons, Pair, Sums, TOGETHER, Weighing};
+    use super::{Lanes, Neurons, OfNeurons, Pair, Sums, TOGETHER, Weighing};
     use crate::kernels::products::{Avx2, Avx512, Baseline};
-
-    /// Registers that sums of one kind may fill: half of those that every level has.
-    const REGISTERS: usize = 8;
 
     macro_rules! neurons {
         (
-            $level:ident, $part:ident, $floats:ident, $all_kinds_at_once:literal,
+            $level:ident, $part:ident, $floats:ident,
             $zero:ident, $same:ident, $same_float:ident, $add:ident, $shift:ident, $narrow:ident, $largest_16:ident,
             $high_64:ident, $low_16:ident, $to_floats:ident, $multiply:ident, $add_floats:ident,
             |$sum:ident| $positive:expr
         ) => {
             impl $level {
                 /// So many neurons grow at once.
-                const AT_ONCE: usize = REGISTERS / Self::PARTS;
+                const AT_ONCE: usize = if TOGETHER * Self::PARTS <= Self::REGISTERS {
+                    TOGETHER
+                } else {
+                    Self::REGISTERS / Self::PARTS
+                };
+
+                /// Whether there are registers for two kinds of them.
+                const TWO_KINDS: bool = 2 * Self::AT_ONCE * Self::PARTS <= Self::REGISTERS;
 
                 /// Adds all products to the sums of neurons from `first` on.
                 #[inline(always)]
@@ -161,7 +165,7 @@ mod x86 {
                     from: [&[Sums]; KINDS],
                     offsets: [&[i32; TOGETHER]; KINDS],
                     weighing: Weighing,
-                    numbers: [&mut Neighbours; KINDS],
+                    numbers: [&mut OfNeurons; KINDS],
                 ) {
                     // SAFETY: as in `grow`.
                     let none = unsafe { $zero() };
@@ -206,7 +210,7 @@ mod x86 {
                     weights: &[[Pair; TOGETHER]],
                     from: [&[Sums]; KINDS],
                     offsets: &[i32; TOGETHER],
-                    of_scores: &[f32; TOGETHER],
+                    shares: &[f32; TOGETHER],
                 ) {
                     // SAFETY: as in `grow`.
                     let none = unsafe { $zero() };
@@ -222,7 +226,7 @@ mod x86 {
                                     for n in 0..Self::AT_ONCE {
                                         let $sum =
                                             $add(sums[kind][n][part], $same(offsets[first + n]));
-                                        let share = $same_float(of_scores[first + n]);
+                                        let share = $same_float(shares[first + n]);
                                         score = $add_floats(
                                             score,
                                             $multiply(share, $to_floats($positive)),
@@ -249,9 +253,9 @@ mod x86 {
                     from: [&[Sums]; KINDS],
                     offsets: [&[i32; TOGETHER]; KINDS],
                     weighing: Weighing,
-                    numbers: [&mut Neighbours; KINDS],
+                    numbers: [&mut OfNeurons; KINDS],
                 ) {
-                    if $all_kinds_at_once {
+                    if Self::TWO_KINDS {
                         self.layer_of(begin, weights, from, offsets, weighing, numbers);
                     } else {
                         for kind in 0..KINDS {
@@ -269,14 +273,14 @@ mod x86 {
                     weights: &[[Pair; TOGETHER]],
                     from: [&[Sums]; KINDS],
                     offsets: &[i32; TOGETHER],
-                    of_scores: &[f32; TOGETHER],
+                    shares: &[f32; TOGETHER],
                 ) {
-                    if $all_kinds_at_once {
-                        self.score_of(scores.each_mut(), weights, from, offsets, of_scores);
+                    if Self::TWO_KINDS {
+                        self.score_of(scores.each_mut(), weights, from, offsets, shares);
                     } else {
                         for kind in 0..KINDS {
                             let scores = [&mut scores[kind]];
-                            self.score_of(scores, weights, [from[kind]], offsets, of_scores);
+                            self.score_of(scores, weights, [from[kind]], offsets, shares);
                         }
                     }
                 }
@@ -288,7 +292,6 @@ mod x86 {
         Baseline,
         __m128i,
         __m128,
-        false,
         _mm_setzero_si128,
         _mm_set1_epi32,
         _mm_set1_ps,
@@ -307,7 +310,6 @@ mod x86 {
         Avx2,
         __m256i,
         __m256,
-        false,
         _mm256_setzero_si256,
         _mm256_set1_epi32,
         _mm256_set1_ps,
@@ -326,7 +328,6 @@ mod x86 {
         Avx512,
         __m512i,
         __m512,
-        true,
         _mm512_setzero_si512,
         _mm512_set1_epi32,
         _mm512_set1_ps,
@@ -350,8 +351,8 @@ mod tests {
     use crate::kernels::level::{Level, at_every_level};
     use crate::kernels::products::{LEAST, Plain};
 
-    /// What two kinds of inputs, and what one alone come to.
-    type Worked = ([Neighbours; 2], [Lanes; 2], Neighbours, Lanes);
+    /// What two kinds of inputs, and what one alone come to: numbers, and the bits of scores.
+    type Worked = ([OfNeurons; 2], [[u32; LANES]; 2], OfNeurons, [u32; LANES]);
 
     at_every_level! {
         fn worked[neurons](
@@ -372,7 +373,7 @@ mod tests {
         weights: &[[Pair; TOGETHER]],
         from: [&[Sums]; 2],
         offsets: [&[i32; TOGETHER]; 2],
-        (weighing, of_scores): (Weighing, &[f32; TOGETHER]),
+        (weighing, shares): (Weighing, &[f32; TOGETHER]),
     ) -> Worked {
         let nothing = [Line([0; LANES]); TOGETHER / 2];
         let (mut both, mut one) = ([nothing; 2], nothing);
@@ -381,14 +382,15 @@ mod tests {
         // Others were there before.
         let mut scores = [0, 1].map(|kind| Line(std::array::from_fn(|l| (l + kind) as f32)));
         let mut score = [scores[1]];
-        neurons.score(&mut scores, weights, from, offsets[0], of_scores);
-        neurons.score(&mut score, weights, [from[1]], offsets[0], of_scores);
-        (both, scores, one, score[0])
+        neurons.score(&mut scores, weights, from, offsets[0], shares);
+        neurons.score(&mut score, weights, [from[1]], offsets[0], shares);
+        let bits = |scores: &Lanes| scores.map(f32::to_bits);
+        (both, scores.each_ref().map(bits), one, bits(&score[0]))
     }
 
     #[test]
     fn a_case_worked_by_hand() {
-        // Weights of a half and a quarter, that begin at 1: 2 / 2 + 8 / 4 + 1, and -1 less in the second kind.
+        // Weights of a half and a quarter, that begin at 1: 2 / 2 + 8 / 4 + 1, and 5 less in the second kind: less than 0.
         let weighing = Weighing::of([([0.5, 0.25], 1.0)].into_iter());
         let weights = [[[0.5, 0.25].map(|weight| weighing.weight(weight) as i16); TOGETHER]];
         let from = [Line([packed(2 << 9, 8 << 9); LANES])];
@@ -400,8 +402,8 @@ mod tests {
         assert_eq!(numbers[0], [Line([packed(4 << 9, 4 << 9); LANES]); TOGETHER / 2]);
         assert_eq!(numbers[1], [Line([0; LANES]); TOGETHER / 2]);
         let mut scores = [Line([10.0; LANES])];
-        let of_scores = std::array::from_fn(|t| t as f32 * weighing.unit());
-        Plain.score(&mut scores, &weights, [&from], &[0; TOGETHER], &of_scores);
+        let shares = std::array::from_fn(|t| t as f32 * weighing.unit());
+        Plain.score(&mut scores, &weights, [&from], &[0; TOGETHER], &shares);
         assert_eq!(scores, [Line([10.0 + 3.0 * 28.0; LANES])]);
     }
 
@@ -420,9 +422,9 @@ mod tests {
             });
             let begin = std::array::from_fn(|_| Line(std::array::from_fn(|_| number(1 << 26))));
             let offsets = [0; 2].map(|_: i32| std::array::from_fn(|_| number(1 << 24)));
-            let of_scores = std::array::from_fn(|_| number(1000) as f32 / 7e4);
+            let shares = std::array::from_fn(|_| number(1000) as f32 / 7e4);
             let weighing = Weighing::of([([20.0], 1.0)].into_iter());
-            let end = (weighing, &of_scores);
+            let end = (weighing, &shares);
             let (from, offsets) = ([&one[..], &other], [&offsets[0], &offsets[1]]);
             let expected = by(Plain, &begin, &weights, from, offsets, end);
             let largest = packed(i32::from(i16::MAX), i32::from(i16::MAX)) as u32;

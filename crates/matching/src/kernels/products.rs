@@ -86,7 +86,7 @@ impl Weighing {
     /// The sample that stands for a sum, but `least` if it is smaller.
     #[inline(always)]
     pub fn sample(self, sum: i32, least: i32) -> i32 {
-        let sum = sum >> self.0;
+        let sum = sum >> self.fraction();
         let sum = if sum > least { sum } else { least };
         if sum < LARGEST { sum } else { LARGEST }
     }
@@ -216,7 +216,7 @@ mod x86 {
     /// Defines a level's type, of which there is a value only where the processor has that level.
     macro_rules! level {
         (
-            $name:ident, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr,
+            $name:ident, $registers:literal, $sums:ident, $same:ident, |$sum:ident, $one:ident, $other:ident| $add:expr,
             $numbers:ident, |$a:ident, $b:ident| $pairs:expr
         ) => {
             #[derive(Clone, Copy)]
@@ -230,6 +230,9 @@ mod x86 {
                 pub unsafe fn new() -> Self {
                     Self(())
                 }
+
+                /// Registers that sums which grow together may fill: half of all.
+                pub(in crate::kernels) const REGISTERS: usize = $registers;
 
                 /// How many vectors the sums of all lanes are.
                 pub(in crate::kernels) const PARTS: usize =
@@ -311,7 +314,7 @@ mod x86 {
                     shared: &[[Pair; N]],
                     own: &[Sums],
                 ) {
-                    const AT_ONCE: usize = 8 / $name::PARTS;
+                    const AT_ONCE: usize = $name::REGISTERS / $name::PARTS;
                     for first in (0..N).step_by(AT_ONCE) {
                         let sums = &mut sums[first..N.min(first + AT_ONCE)];
                         // SAFETY: as in `plus`.
@@ -344,6 +347,7 @@ mod x86 {
 
     level!(
         Sse2,
+        8,
         __m128i,
         _mm_set1_epi32,
         |s, a, b| _mm_add_epi32(s, _mm_madd_epi16(a, b)),
@@ -356,6 +360,7 @@ mod x86 {
     );
     level!(
         Avx2,
+        8,
         __m256i,
         _mm256_set1_epi32,
         |s, a, b| _mm256_add_epi32(s, _mm256_madd_epi16(a, b)),
@@ -371,6 +376,7 @@ mod x86 {
     );
     level!(
         Avx512,
+        16,
         __m512i,
         _mm512_set1_epi32,
         |s, a, b| _mm512_dpwssd_epi32(s, a, b),

@@ -329,15 +329,15 @@ mod tests {
             assert_eq!(wide.map(|words| words[3]), [low, high]);
             let parts = [low, low >> 32, high, high >> 32].map(|word| word as u32);
             assert_eq!(words.map(|words| words[3]), parts);
-            let all = places.map(|place| records[place as usize]);
             for level in Level::available() {
                 eprintln!("level {}", level.name());
                 assert_eq!(fourths(level, &records, &places), words, "of {length}");
                 assert_eq!(halves(level, &records, &places), wide, "of {length}");
-                assert_eq!(samples(level, &records, &places), Line(all), "of {length}");
+                let of_all = Plain.samples(&records, &places);
+                assert_eq!(samples(level, &records, &places), of_all, "of {length}");
                 let low = |record: &Record| record.0[0] as u16 as f32;
                 let floats: Vec<f32> = records.iter().map(low).collect();
-                let of_all = Line(all.each_ref().map(low));
+                let of_all = Plain.numbers(&floats, &places);
                 assert_eq!(numbers(level, &floats, &places), of_all, "of {length}");
             }
         }

@@ -8,16 +8,24 @@ pub(crate) fn nearest(number: f32) -> i32 {
     (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
 }
 
-/// The number that a column or a row is, of which there are fewer than 2^22: by way of 32 bits, since of 64 no level
-/// below AVX-512 makes vectors.
+/// The number that a column is, of which an image has at most 2^22: by way of 32 bits, since of 64 no level below
+/// AVX-512 makes vectors.
 #[inline(always)]
 pub(crate) fn as_number(column: usize) -> f32 {
+    debug_assert!(column < 1 << 24, "{column} is no number of 32 bits");
     column as i32 as f32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_are_the_numbers_that_they_are() {
+        for column in [0, 1, 4_194_304, (1 << 24) - 1] {
+            assert_eq!(as_number(column), column as f32);
+        }
+    }
 
     #[test]
     fn halves_go_to_even_numbers_and_all_else_to_the_nearest() {

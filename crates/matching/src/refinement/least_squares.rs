@@ -67,6 +67,7 @@ struct Band {
 /// What is left over in a row, in [`PARTS`]: 0 where there is no match.
 #[derive(Default)]
 struct Residuals {
+    /// 1, or 0.
     is_match: Vec<i16>,
     error: Vec<i16>,
     slope: Vec<i16>,

@@ -40,6 +40,7 @@ at_every_level! {
             let is_unsure =
                 (told != Matched) | (disparity <= farthest) | (disparity >= nearest);
             let most = if is_unsure { UNSURE } else { 1.0 };
+            debug_assert!(!confidence.is_sign_negative(), "confidence is {confidence}");
             // Bits of numbers that are not negative are in their order. Of a condition here the compiler makes
             // another one, whether to write, which AVX2 is slow at.
             *confidence = f32::from_bits(confidence.to_bits().min(most.to_bits()));
@@ -72,6 +73,8 @@ mod tests {
             let mut reasons: Vec<Reason> = row.iter().map(|pixel| pixel.1).collect();
             let mut confidence: Vec<f32> = (0..70).map(|x| (x % 5) as f32 / 100.0 + 0.02).collect();
             confidence[20..].iter_mut().for_each(|confidence| *confidence += 0.5);
+            (confidence[40..].iter_mut().step_by(2)).for_each(|confidence| *confidence = 0.0);
+            (confidence[41..].iter_mut().step_by(4)).for_each(|confidence| *confidence = 1.0);
             let before = confidence.clone();
             let range = DisparityRange::new(-1, 4).unwrap();
             mark(level, 60, 3, range, &disparities, &mut reasons, &mut confidence);

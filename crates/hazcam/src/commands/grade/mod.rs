@@ -39,7 +39,7 @@ How a test ends:
 
 The limits of CPU time are part of the scheme, 600 s on Cones and Teddy and 3000 s on KITTI: loops
 in plain Python, which take 100 to 300 s on Cones, pass; what hangs is stopped. Wall time is limited
-to three times as much and 10 s.
+to three times as much and 10 s, and who computes nothing for a minute is stopped.
 
 Examples:
   HAZCAM_DATA=~/rob501 hazcam grade handin.tar

@@ -226,7 +226,8 @@ impl Judge {
         };
         let groups = self.of_context.chunks_exact(context.len());
         for (own, weights) in own.as_chunks_mut().0.iter_mut().zip(groups) {
-            *own = weighted(products, [Line([0; LANES]); TOGETHER], weights, context);
+            *own = [Line([0; LANES]); TOGETHER];
+            products.add_all(own, weights, context);
         }
     }
 
@@ -294,19 +295,6 @@ fn filled_up<T: Default + Copy>(first: impl Iterator<Item = T>) -> [T; LARGEST] 
     let mut all = [T::default(); LARGEST];
     all.iter_mut().zip(first).for_each(|(to, from)| *to = from);
     all
-}
-
-/// Adds weighted sums.
-#[inline(always)]
-fn weighted(
-    products: impl Products,
-    sums: [Sums; TOGETHER],
-    weights: &[[Pair; TOGETHER]],
-    from: &[Pairs],
-) -> [Sums; TOGETHER] {
-    let mut sums = sums;
-    products.add_all(&mut sums, weights, from);
-    sums
 }
 
 #[cfg(test)]
