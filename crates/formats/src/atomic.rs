@@ -87,11 +87,18 @@ pub fn destination(path: &Path) -> io::Result<PathBuf> {
     if let Ok(found) = fs::canonicalize(path) {
         return Ok(found);
     }
+    in_its_folder(&behind_links(path)?)
+}
+
+/// What the last of all links names.
+///
+/// Errors when links go round in a circle.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
         match fs::read_link(&path) {
             Ok(next) => path = folder_of(&path).join(next),
-            Err(_) => return in_its_folder(&path),
+            Err(_) => return Ok(path),
         }
     }
     Err(io::Error::other(format!("more than {MOST_LINKS} links, one to the other")))
@@ -152,9 +159,10 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Says which folder is at fault, if one is.
+/// Says which folder is at fault, if one is: that of the file behind all links.
 fn explain(path: &Path, error: &io::Error) -> Option<String> {
-    let folder = folder_of(path);
+    let path = behind_links(path).ok()?;
+    let folder = folder_of(&path);
     if path.file_name().is_none() {
         Some("it names no file".to_owned())
     } else if !folder.exists() {
@@ -269,7 +277,11 @@ mod tests {
         }
         symlink("round", at("round")).unwrap();
         write_atomically(at("round"), |_| Ok(())).unwrap_err();
-        assert_eq!(names(folder.path()), ["deep", "first", "round", "target"]);
+        symlink("missing/file", at("lost")).unwrap();
+        let error = write_atomically(at("lost"), |_| Ok(())).unwrap_err().to_string();
+        let folder_at_fault = format!("the folder {} does not exist", at("missing").display());
+        assert!(error.contains(&folder_at_fault), "{error}");
+        assert_eq!(names(folder.path()), ["deep", "first", "lost", "round", "target"]);
     }
 
     #[test]
