@@ -4,7 +4,7 @@
 //! | --- | --- | --- | --- |
 //! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
 //! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
-//! | OpenCV's YAML | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
+//! | OpenCV's YAML or JSON, or lists of its numbers | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
 //! | the same without one of these | `Q` of `stereoRectify`, 4 x 4 | `1 / Q[3][2]`, in that unit | `doffs = Q[3][3] / Q[3][2]` |
 //! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4; `P` or `p` of a `CameraInfo` that was printed | `-P[0][3] / f`, metres | as the left one, `doffs = 0` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
@@ -205,14 +205,13 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     // Some editors begin a text with a mark that is none of its letters.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let entries = Entries::of(source, text);
-    if opencv::is_opencv(text) {
+    if opencv::is_opencv(&entries, text) {
         return opencv::parse(&entries, text);
     }
-    let is_storage = text.starts_with("<?xml") || text.trim_start().starts_with('{');
-    if is_storage && text.contains("P1") && text.contains("P2") {
+    if text.starts_with("<?xml") && text.contains("opencv_storage") {
         return Err(source.wrong_kind(
-            "an XML or JSON file of OpenCV's",
-            "its YAML is read: save P1 and P2 under a name that ends in .yml (OpenCV: FileStorage)",
+            "an XML file of OpenCV's",
+            "its YAML and JSON are read: save P1 and P2 under a name that ends in .yml (OpenCV: FileStorage)",
         ));
     }
     if entries.has("T_cn_cnm1") || (entries.has("intrinsics") && entries.has("camera_model")) {
@@ -264,6 +263,11 @@ impl<'a> Entries<'a> {
 
     fn has(&self, key: &str) -> bool {
         self.entries.iter().any(|entry| entry.key == key)
+    }
+
+    /// What all lines of this key say.
+    fn values(&self, key: &str) -> impl Iterator<Item = &str> {
+        self.entries.iter().filter(move |entry| entry.key == key).map(|entry| entry.value)
     }
 
     /// The one entry with this key, or `None`; two of them are an error.
@@ -488,12 +492,8 @@ mod tests {
 
     #[test]
     fn other_files_of_opencv_are_told_from_texts_without_a_camera() {
-        for text in [
-            "<?xml version=\"1.0\"?>\n<opencv_storage>\n<P1/>\n<P2/>",
-            "{ \"P1\": {}, \"P2\": {} }",
-        ] {
-            assert!(read(text).unwrap_err().contains("ends in .yml"), "{text}");
-        }
+        let text = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<P1/>\n<P2/>";
+        assert!(read(text).unwrap_err().contains("ends in .yml"));
     }
 
     #[test]

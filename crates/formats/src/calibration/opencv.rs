@@ -1,4 +1,4 @@
-//! YAML files of OpenCV's `FileStorage`, with the matrices of `stereoRectify`.
+//! YAML and JSON files of OpenCV's `FileStorage`, or of lists, with the matrices of `stereoRectify`.
 //!
 //! `P1 = [f 0 cx1 0; 0 f cy 0; 0 0 1 0]`, `P2 = [f 0 cx2 -f b; 0 f cy 0; 0 0 1 0]`, where `b` is in the unit of the
 //! squares that the cameras were calibrated with; or, where they are not there, what makes points of disparities,
@@ -39,15 +39,29 @@ enum ImageSize {
     Other(IgnoredAny),
 }
 
-/// Whether a text is one of OpenCV's.
-pub(super) fn is_opencv(text: &str) -> bool {
+/// The matrices that may stand in lists too.
+const MATRICES: [&str; 3] = ["P1", "P2", "Q"];
+
+/// Whether a text is one of OpenCV's, or holds its matrices as Python's writers of YAML and JSON have them: in
+/// brackets, or line by line, where KITTI's are bare numbers.
+pub(super) fn is_opencv(entries: &Entries<'_>, text: &str) -> bool {
+    let is_list = |value: &str| value.is_empty() || value.starts_with('[');
+    is_stored(text)
+        || MATRICES.iter().any(|name| entries.values(name).any(is_list))
+        || text.trim_start().starts_with('{')
+            && MATRICES.iter().any(|name| text.contains(&format!("\"{name}\"")))
+}
+
+/// Whether a text begins as OpenCV's YAML does.
+fn is_stored(text: &str) -> bool {
     BEGINNINGS.iter().any(|beginning| text.starts_with(beginning))
 }
 
 /// The pair of `P1` and `P2`, or of `Q`.
 pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, FormatError> {
     // From the end of the first line on, so that lines are counted right.
-    let body = &text[text.find('\n').unwrap_or(text.len())..];
+    let begin = if is_stored(text) { text.find('\n').unwrap_or(text.len()) } else { 0 };
+    let body = &text[begin..];
     let storage: Storage = yaml::read(entries, body)?;
     let camera = match (storage.left, storage.right, storage.reprojection) {
         (Some(left), Some(right), _) => {
@@ -207,5 +221,47 @@ mod tests {
         }
         let error = read(&SAMPLE.replace("324.5, -84.", "324.5, -.Inf")).unwrap_err();
         assert!(error.contains("baseline"), "{error}");
+    }
+
+    #[test]
+    fn lists_of_numbers_and_of_rows_in_yaml_and_json_are_the_same_camera() {
+        let left = "700.0, 0, 320.5, 0], [0, 700, 240, 0], [0, 0, 1, 0";
+        let right = "700, 0.0, 324.5, -84.0], [0, 700, 240, 0], [0, 0, 1, 0";
+        let flat = |rows: &str| rows.replace("], [", ", ");
+        let lines = |rows: &str| format!("- [{}]\n", rows.replace("], [", "]\n- ["));
+        let stored = |rows: &str| {
+            format!("{{ \"rows\": 3, \"cols\": 4, \"dt\": \"d\", \"data\": [{}] }}", flat(rows))
+        };
+        let (a, b) = (left, right);
+        for text in [
+            format!("P1: [{}]\nP2: [{}]\nimage_width: 640\n", flat(a), flat(b)),
+            format!("rms: 0.2\nP1: [[{a}]]\nP2: [[{b}]]\nimage_width: 640\n"),
+            format!("P1:\n{}P2:\n{}image_width: 640\n", lines(a), lines(b)),
+            format!("{{\"P1\": [[{a}]], \"P2\": [[{b}]], \"image_width\": 640}}"),
+            format!(
+                "{{\n \"P1\": {},\n \"P2\": {}, \"image_width\": 640\n}}",
+                stored(a),
+                stored(b)
+            ),
+        ] {
+            let calibration = read(&text).unwrap_or_else(|error| panic!("{text}\n{error}"));
+            let expected = StereoCamera::new(700.0, 0.12, 4.0, 320.5, 240.0).unwrap();
+            assert_eq!((calibration.camera, calibration.width), (expected, Some(640)), "{text}");
+        }
+        let text = format!("P1: [[{a}]]\nP2: [[{b}]]\n");
+        refused(
+            &text,
+            &[
+                ("[700.0, 0,", "[700.0,", "P1 is 3 rows of different length with 11 numbers"),
+                (", [0, 0, 1, 0]]\nP2", "]\nP2", "P1 is 2 x 4 with 8 numbers, but must be 3 x 4"),
+                ("P2: [[700, 0.0,", "P2: [[700, x,", "the YAML cannot be read"),
+                ("P2", "P3", "neither P1 and P2 nor Q"),
+            ],
+        );
+        let text = format!("P1: [{}]\nP2: [{}]\n", flat(a), flat(b));
+        refused(
+            &text,
+            &[("[700.0, ", "[", "P1 is a list of 11 numbers, but must be 3 x 4 with 12")],
+        );
     }
 }
