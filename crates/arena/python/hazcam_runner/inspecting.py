@@ -21,10 +21,10 @@ def inspect(folder):
     findings = []
     for name in MODULES:
         path = os.path.join(folder, name + ".py")
-        if os.path.exists(path):
+        if os.path.isfile(path):
             findings += [_finding(name, *each) for each in _look(path, name)]
     identifier = None
-    if os.path.exists(os.path.join(folder, IDENTIFIER + ".py")):
+    if os.path.isfile(os.path.join(folder, IDENTIFIER + ".py")):
         identifier, text = _identify(folder)
         if text:
             findings.append(_finding(IDENTIFIER, None, text, False))

@@ -51,8 +51,8 @@ pub enum BoardError {
     /// An owner that nobody gave has an entry of another name.
     #[error(
         "no --owner was given, and `{owner}`, taken from the entrant's name, has an entry already, \
-         `{before}` and not `{id}`: give --owner '{owner}' to put this one in its place, or another \
-         --owner NAME for somebody else"
+         `{before}` and not `{id}`: give --owner '{owner}' to put this one in its place (with \
+         --secret-id '{before}' under that name), or another --owner NAME for somebody else"
     )]
     Guessed {
         /// The owner's name.

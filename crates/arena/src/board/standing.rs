@@ -32,7 +32,8 @@ pub fn holdout_score(result: &TestResult, test: &Test) -> Option<f64> {
     Some((scores.e_rms / test.max_e_rms + scores.p_bad / test.max_p_bad) / 2.0)
 }
 
-/// Everybody, best first, judged by the thresholds of the hold-out's `test`.
+/// Everybody, best first, judged by the thresholds of the hold-out's `test`. Entries come earliest first: of those added
+/// within one second that decides.
 pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
     let mut standings: Vec<Standing> = entries
         .into_iter()
@@ -63,7 +64,6 @@ fn order(a: &Standing, b: &Standing) -> Ordering {
             None => b.entry.report.points.total_cmp(&a.entry.report.points),
         })
         .then_with(|| a.entry.added.cmp(&b.entry.added))
-        .then_with(|| a.entry.secret_id.cmp(&b.entry.secret_id))
 }
 
 #[cfg(test)]
@@ -142,5 +142,9 @@ pub(crate) mod tests {
         let entries = vec![later, entry("slow", Some(1.0), 0.02, 2.0)];
         let order: Vec<String> = ranked(entries).into_iter().map(|each| each.0).collect();
         assert_eq!(order, ["slow", "later"]);
+        // Of one second they stand as they were added, whatever they are called.
+        let entries = ["zoe", "adam"].map(|id| entry(id, Some(1.0), 0.02, 1.0));
+        let order: Vec<String> = ranked(entries.to_vec()).into_iter().map(|each| each.0).collect();
+        assert_eq!(order, ["zoe", "adam"]);
     }
 }

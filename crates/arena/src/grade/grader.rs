@@ -99,8 +99,22 @@ impl Grader<'_> {
 
     /// Runs one more test, such as a hold-out, that is not part of the scheme.
     pub fn extra(&self, entrant: &Entrant, test: &Test, scene: &Scene) -> TestResult {
-        let bench = self.bench();
-        self.judge(test, scene, bench.attempt(entrant, test, scene), None)
+        let (first, second) = self.attempts(&self.bench(), entrant, test, scene);
+        self.judge(test, scene, first, second)
+    }
+
+    /// One run, and a second one where its answer is to be compared.
+    fn attempts(
+        &self,
+        bench: &Bench<'_>,
+        entrant: &Entrant,
+        test: &Test,
+        scene: &Scene,
+    ) -> (Attempt, Option<Attempt>) {
+        let first = bench.attempt(entrant, test, scene);
+        let is_repeated = self.twice && first.result.is_ok();
+        let second = is_repeated.then(|| bench.attempt(entrant, test, scene));
+        (first, second)
     }
 
     fn bench(&self) -> Bench<'_> {
@@ -131,11 +145,7 @@ impl Grader<'_> {
         if let Some(fatal) = findings.iter().find(|found| found.fatal && found.file == file) {
             return unanswered(test, Failure::new(Outcome::Re, fatal.to_string()));
         }
-        let first = bench.attempt(entrant, test, scene);
-        let second = match self.twice && first.result.is_ok() {
-            true => Some(bench.attempt(entrant, test, scene)),
-            false => None,
-        };
+        let (first, second) = self.attempts(bench, entrant, test, scene);
         self.judge(test, scene, first, second)
     }
 

@@ -93,6 +93,16 @@ impl TestResult {
             .is_some_and(|scores| scores.e_rms < self.max_e_rms && scores.p_bad < self.max_p_bad)
     }
 
+    /// Whether points depend on it; of one without it is enough to be answered.
+    pub fn counts(&self) -> bool {
+        self.max_points > 0.0
+    }
+
+    /// Whether there is an answer, and one that passes where points depend on that.
+    pub fn is_met(&self) -> bool {
+        if self.counts() { self.passes() } else { self.scores.is_some() }
+    }
+
     /// Why there are no points, in one text; `None` when there are.
     pub fn shortfall(&self) -> Option<String> {
         if let Some(message) = &self.message {

@@ -296,7 +296,15 @@ pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
         let stem = file.trim_end_matches(".py");
         let alike = names.iter().find(|name| name.to_lowercase().starts_with(stem));
         let instead = match alike {
+            Some(name) if root.join(name).is_dir() => {
+                format!(
+                    "; `{name}` is a folder: hand in one file, with all that it needs beside it"
+                )
+            }
             Some(name) if name.ends_with(NOTEBOOK) => format!("; there is `{name}`: {EXPORT}"),
+            Some(name) if name.ends_with(".pyc") => {
+                format!("; there is `{name}`, which is compiled: hand in the source, {file}")
+            }
             Some(name) => format!("; there is `{name}`: rename it"),
             None if let Some(place) = elsewhere(root, &[file], None) => {
                 format!("; there is one in `{}`: put all files into one folder", place.display())

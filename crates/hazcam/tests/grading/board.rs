@@ -231,6 +231,31 @@ fn what_is_on_the_board_as_it_is_is_passed_over() {
 }
 
 #[test]
+fn a_damaged_hand_in_replaces_nothing() {
+    let Some(course) = Course::with_python() else { return };
+    course.0.submission("alice", HONEST);
+    course.done(&with(&["alice"]));
+    fs::write(course.0.path("alice.zip"), "garbage").unwrap();
+    let damaged = with(&["alice.zip", "--owner", "alice", "--secret-id", "Secret alice"]);
+    let (status, _, stderr) = course.run(&damaged);
+    assert_eq!(status, 2);
+    assert!(stderr.contains("the entry `Secret alice` of alice stays as it is"), "{stderr}");
+    let ranking = course.ranking();
+    assert_eq!((ranking.len(), ranking[0]["place"].as_u64()), (1, Some(1)));
+}
+
+#[test]
+fn grading_does_not_write_over_the_board() {
+    let Some(course) = Course::new() else { return };
+    course.done(&with(&["--matcher", "fast"]));
+    let arguments = ["--matcher", "fast", "--scheme", "small.toml", "-o", "board.sqlite"];
+    let mut command = course.0.command("grade", &arguments);
+    let output = command.env("HAZCAM_BOARD", course.0.path("board.sqlite")).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert_eq!(course.ranking().len(), 1);
+}
+
+#[test]
 fn all_rank_on_one_holdout() {
     let Some(course) = Course::new() else { return };
     course.done(&with(&["--matcher", "fast"]));

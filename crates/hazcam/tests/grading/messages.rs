@@ -257,6 +257,23 @@ fn files_of_the_wrong_name_are_found() {
 }
 
 #[test]
+fn folders_and_compiled_files_are_no_sources() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let name = "stereo_disparity_fast.py";
+    let folder = classroom.submission("folder", HONEST);
+    fs::remove_file(folder.join(name)).unwrap();
+    fs::create_dir(folder.join(name)).unwrap();
+    fs::write(folder.join(name).join("code.py"), "").unwrap();
+    let report = classroom.grade(&folder, &[]);
+    report.expect("RE", &["the file is missing; `stereo_disparity_fast.py` is a folder: hand in"]);
+    report.expect_part_2_to_pass();
+    fs::remove_dir_all(folder.join(name)).unwrap();
+    fs::write(folder.join("stereo_disparity_fast.cpython-311.pyc"), "").unwrap();
+    let report = classroom.grade(&folder, &[]);
+    report.expect("RE", &["which is compiled: hand in the source, stereo_disparity_fast.py"]);
+}
+
+#[test]
 fn files_in_another_folder_are_found() {
     let Some(classroom) = Classroom::with_python() else { return };
     let folder = classroom.submission("scattered", HONEST);

@@ -11,14 +11,20 @@ use super::TestResult;
 fn details(test: &TestResult) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(scores) = &test.scores {
+        let below =
+            |limit: f64| if test.counts() { format!(" (below {limit})") } else { String::new() };
         lines.push(format!(
-            "E_RMS {:.2} px (below {}), p_bad {:.4} (below {}), over {} pixels",
-            scores.e_rms, test.max_e_rms, scores.p_bad, test.max_p_bad, scores.pixels
+            "E_RMS {:.2} px{}, p_bad {:.4}{}, over {} pixels",
+            scores.e_rms,
+            below(test.max_e_rms),
+            scores.p_bad,
+            below(test.max_p_bad),
+            scores.pixels
         ));
     }
     if let Some(message) = &test.message {
         lines.extend(message.lines().map(str::to_owned));
-    } else if let Some(shortfall) = test.shortfall() {
+    } else if let Some(shortfall) = test.shortfall().filter(|_| test.counts()) {
         lines.push(format!("no points: {shortfall}"));
     }
     if test.usage.wall_seconds > 0.0 {

@@ -38,7 +38,7 @@ pub fn begins(test: &Test) -> String {
 /// After a test: how it ended, both numbers with their thresholds, points, time and memory; then
 /// what the author can act on.
 pub fn ended(test: &TestResult) -> String {
-    let counts = test.max_points > 0.0;
+    let counts = test.counts();
     let points = if counts { format!("{} points", share(test)) } else { "no points".into() };
     let mut text = format!("  {:<4} {points:>14}", test.outcome);
     if let Some(scores) = &test.scores {

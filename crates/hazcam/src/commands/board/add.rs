@@ -103,6 +103,12 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ))?;
         return Ok(ExitCode::SUCCESS);
     }
+    if let Entrant::Refused(why) = &entrant
+        && let Some(kept) = board.entry_of(owner.name())?
+    {
+        let stands = format!("{}; the entry `{}` of {}", refused(), kept.secret_id, owner.name());
+        return Err(anyhow!("{why}").context(format!("{stands} stays as it is")));
+    }
     let given = args.secret_id.clone().or(args.entrant.matcher()).filter(|id| is_secret_id(id));
     if let Some(id) = &given {
         board.admit(owner, id)?;
@@ -176,7 +182,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let before = match added {
         Added::New => String::new(),
         Added::Replaced(before) => {
-            format!(", in the place of the earlier entry `{before}` of {}", owner.name())
+            let keeps = format!(" (--secret-id '{before}' keeps that name)");
+            let keeps = if before == secret_id { "" } else { &keeps };
+            format!(", in the place of the earlier entry `{before}` of {}{keeps}", owner.name())
         }
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;

@@ -23,9 +23,9 @@ use crate::ui::Ui;
 /// is begun and keeps to itself, or a pair of your own (--holdout). Several `add` may run at once.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Rank: E_RMS and p_bad on the hold-out, each divided by its threshold of Part 2 (5 px, 0.11), and the
-mean of the two; lower wins, ties go to the earlier entry. The first three get 5, 3 and 2 points on top
-of the 50 of the tests.
+Rank: E_RMS and p_bad on the hold-out, each divided by the threshold of the hold-out's test (5 px and
+0.11, as in Part 2, unless --holdout says others), and the mean of the two; lower wins, ties go to the
+earlier entry. The first three get 5, 3 and 2 points on top of the 50 of the tests.
 
 Examples:
   export HAZCAM_DATA=~/rob501

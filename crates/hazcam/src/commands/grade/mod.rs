@@ -160,7 +160,8 @@ impl Args {
         let engines = self.entrant.engine_files();
         let inputs = [self.entrant.submission(), self.grading.scheme()].into_iter().flatten();
         let files = scenes.iter().chain(&engines).map(PathBuf::as_path);
-        let inputs: Vec<&Path> = inputs.chain(files).collect();
+        let board = Some(board::place()).filter(|board| board.is_file());
+        let inputs: Vec<&Path> = inputs.chain(files).chain(board.as_deref()).collect();
         outputs::check(&[Output::text(OUTPUT, path, "")], &inputs)
     }
 }
