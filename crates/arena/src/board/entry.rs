@@ -10,6 +10,9 @@ use crate::submission::BEGINS_A_FORMULA;
 pub struct Entry {
     /// The name that everybody sees: 4 to 32 printable characters, no space at an end.
     pub secret_id: String,
+    /// Whether the board's keeper gave it that name, which then stays with its owner.
+    #[serde(default)]
+    pub renamed: bool,
     /// Whether it is shown for comparison only.
     pub baseline: bool,
     /// When it was added, in UTC (`2026-01-31T12:00:00Z`). Set by the board; the same hand-in, graded again by the

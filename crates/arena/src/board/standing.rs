@@ -84,6 +84,7 @@ pub(crate) mod tests {
         }
         Entry {
             secret_id: id.into(),
+            renamed: false,
             baseline: false,
             added: "2026-01-31T12:00:00Z".into(),
             tests: String::new(),

@@ -219,7 +219,7 @@ impl Board {
         truths.map_err(failed)
     }
 
-    /// Gives somebody another name.
+    /// Gives somebody another name. Of the one before nothing is kept.
     pub fn rename(&mut self, from: &str, to: &str) -> Result<(), BoardError> {
         if !is_secret_id(to) {
             return Err(BoardError::Name(to.to_owned()));
@@ -231,7 +231,8 @@ impl Board {
         nobody_looks_like(&transaction, &path, to, others)?;
         let changed = transaction.execute(
             "UPDATE entry SET secret_id = ?1, folded = ?2, content = \
-             json_set(content, '$.secret_id', ?1, '$.report.secret_id', ?1) WHERE folded = ?3",
+             json_set(content, '$.secret_id', ?1, '$.report.secret_id', ?1, '$.renamed', json('true')) \
+             WHERE folded = ?3",
             params![to, folded(to), folded(from)],
         );
         match changed {

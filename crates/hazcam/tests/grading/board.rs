@@ -231,6 +231,24 @@ fn what_is_on_the_board_as_it_is_is_passed_over() {
 }
 
 #[test]
+fn a_name_that_was_given_stays_with_its_owner() {
+    let Some(course) = Course::with_python() else { return };
+    course.0.submission("alice", HONEST);
+    course.done(&with(&["alice", "--owner", "alice"]));
+    course.done(&["rename", "Secret alice", "Polite"]);
+    for _ in 0..2 {
+        let text = course.done(&with(&["alice", "--owner", "alice", "--again"]));
+        assert!(text.contains("Entered `Polite`") && text.contains("that it was given"), "{text}");
+    }
+    // Who has only a file's name may be somebody else.
+    let (status, _, stderr) = course.run(&with(&["alice", "--again"]));
+    assert!(status == 2 && stderr.contains("--secret-id 'Polite'"), "{stderr}");
+    let again = ["alice", "--owner", "alice", "--again", "--secret-id", "Other"];
+    assert!(course.done(&with(&again)).contains("Entered `Other`"));
+    assert_eq!(course.ranking().len(), 1);
+}
+
+#[test]
 fn a_damaged_hand_in_replaces_nothing() {
     let Some(course) = Course::with_python() else { return };
     course.0.submission("alice", HONEST);

@@ -118,8 +118,18 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     grader.secrets = scene.secrets.clone();
     args.grading.warn_if_unconfined(ui);
     ui.print(&text::header(&grader, &name))?;
-    let inspection = grader.inspect(&entrant);
+    let mut inspection = grader.inspect(&entrant);
     ui.print(&text::findings(&inspection.findings))?;
+    // A name that was given by `rename` stays, whatever the next hand-in calls itself.
+    let renamed = match owner {
+        Owner::Given(name) if given.is_none() => {
+            board.entry_of(name)?.filter(|kept| kept.renamed).map(|kept| kept.secret_id)
+        }
+        _ => None,
+    };
+    if renamed.is_some() {
+        inspection.secret_id.clone_from(&renamed);
+    }
     let secret_id = given.or(inspection.secret_id.clone());
     match (&secret_id, &entrant) {
         (Some(id), _) => board.admit(owner, id).with_context(refused)?,
@@ -160,6 +170,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     truths.extend(SceneTruth::of(&holdout.test.name, &scene));
     let entry = Entry {
         secret_id: secret_id.clone(),
+        renamed: renamed.is_some(),
         baseline: args.baseline,
         added: String::new(),
         tests,
@@ -187,7 +198,12 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             format!(", in the place of the earlier entry `{before}` of {}{keeps}", owner.name())
         }
     };
-    ui.print(&format!("Entered `{secret_id}`: {place}{before}\n"))?;
+    let kept = if renamed.is_some() {
+        ", under the name that it was given (--secret-id gives another)"
+    } else {
+        ""
+    };
+    ui.print(&format!("Entered `{secret_id}`: {place}{before}{kept}\n"))?;
     Ok(ExitCode::SUCCESS)
 }
 

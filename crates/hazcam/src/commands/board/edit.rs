@@ -7,7 +7,7 @@ use arena::board::Board;
 
 use crate::ui::Ui;
 
-/// Give somebody another name
+/// Give somebody another name, which stays with the owner that --owner names
 #[derive(clap::Args)]
 pub struct RenameArgs {
     /// The secret ID on the board
