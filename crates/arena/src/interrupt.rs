@@ -47,7 +47,11 @@ impl Scratch {
     /// Errors when it cannot be made.
     pub fn new(prefix: &str) -> io::Result<Self> {
         let mut kept = kept();
-        let folder = tempfile::Builder::new().prefix(prefix).tempdir()?;
+        let mut builder = tempfile::Builder::new();
+        // A hold-out is nobody else's, nor is what was handed in.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        let folder = builder.prefix(prefix).tempdir()?;
         kept.folders.push(folder.path().to_owned());
         Ok(Self(folder))
     }
@@ -112,4 +116,17 @@ fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_folder_for_temporary_files_is_nobody_elses() {
+        let folder = Scratch::new("hazcam-test-").unwrap();
+        let mode = std::fs::metadata(folder.path()).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o700);
+    }
 }

@@ -19,17 +19,23 @@ const FACTORS: [f64; 7] = [-1.0, 2.0, 3.0, 4.0, 8.0, 16.0, 256.0];
 pub fn suspected_scale(pixels: &Pixels<'_>) -> Option<f64> {
     let known = || pixels.iter().filter(|pixel| pixel.truth != 0.0);
     let estimated = || known().filter_map(|pixel| Some((pixel.estimate?, pixel.truth)));
-    let bad = |times: f64| estimated().filter(|(e, t)| (e * times - t).abs() > BAD).count();
-    let as_it_is = bad(1.0);
+    let bad =
+        |times: f64, most: f64| estimated().filter(|(e, t)| (e * times - t).abs() > most).count();
+    let as_it_is = bad(1.0, BAD);
     if 2 * as_it_is <= estimated().count() {
         return None;
     }
-    let (fewest, factor) = FACTORS
-        .into_iter()
-        .flat_map(|factor| [factor, 1.0 / factor])
-        .map(|factor| (bad(1.0 / factor), factor))
-        .min_by_key(|&(bad, _)| bad)?;
-    (2 * fewest < as_it_is.min(bad(0.0))).then_some(factor)
+    let rescued = |factor: f64| {
+        let times = 1.0 / factor;
+        // It may be the truth that is too large, and what is bad with it.
+        let fewest = [BAD, BAD * times.max(1.0)].into_iter().filter_map(|most| {
+            let left = bad(times, most);
+            (2 * left < as_it_is.min(bad(0.0, most))).then_some(left)
+        });
+        Some((fewest.min()?, factor))
+    };
+    let factors = FACTORS.into_iter().flat_map(|factor| [factor, 1.0 / factor]);
+    factors.filter_map(rescued).min_by_key(|&(left, _)| left).map(|(_, factor)| factor)
 }
 
 #[cfg(test)]
@@ -55,6 +61,12 @@ mod tests {
             assert_eq!(suspicion(|d| d * factor as f32), Some(factor));
             assert_eq!(suspicion(|d| d / factor as f32), Some(1.0 / factor));
         }
+        // Truth that was read without its factor: an estimate is half a pixel off.
+        for factor in [2.0, 4.0, 16.0, 256.0f32] {
+            let found = scale(&|x| factor * (10.0 + x), &|x| 10.5 + x);
+            assert_eq!(found, Some(f64::from(1.0 / factor)));
+        }
+        assert_eq!(scale(&|x| 10.0 + x, &|x| x % 2.0 / 4.0), None, "nearly nothing is no scale");
     }
 
     #[test]
