@@ -7,5 +7,6 @@ loading     importing the submission's modules
 explaining  errors in words that their author can act on, with the line they come from
 hints       what usually lies behind an error
 inspecting  what can be seen without running anything
+programs    no other program is started from here
 older       names that older versions of numpy, scipy and Python had, and libraries for drawing
 """

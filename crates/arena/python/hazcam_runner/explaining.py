@@ -55,10 +55,14 @@ def _within(path, folder):
 
 
 def _syntax(error, folder):
-    name = error.filename or "?"
+    name = error.filename
+    line, text = syntax_parts(error)
+    if name is None:
+        # Of a file that is no text at all Python tells no name: who imported it does.
+        return "\n".join(_frames(error, folder) + [text])
     if _within(name, folder):
         name = os.path.relpath(name, folder)
-    return finding_text(name, *syntax_parts(error))
+    return finding_text(name, line, text)
 
 
 def syntax_parts(error):

@@ -5,6 +5,9 @@ tests of that module need not be run. Whether the files exist is checked before 
 """
 
 import ast
+import collections
+import collections.abc
+import fractions
 import os
 import time
 import unicodedata
@@ -13,6 +16,8 @@ from hazcam_runner import arrays, explaining, loading, older
 
 MODULES = ("stereo_disparity_fast", "stereo_disparity_best")
 IDENTIFIER = "secret_id"
+# Packages that bring matchers of their own.
+MATCHERS = {"cv2": "StereoBM and StereoSGBM", "hazcam": "fast, balanced and best"}
 SHORTEST, LONGEST = 4, 32
 
 
@@ -23,6 +28,8 @@ def inspect(folder):
         path = os.path.join(folder, name + ".py")
         if os.path.isfile(path):
             findings += [_finding(name, *each) for each in _look(path, name)]
+    for path in _others(folder):
+        findings += [_finding(path[: -len(".py")], *each) for each in _look_beside(folder, path)]
     identifier = None
     if os.path.isfile(os.path.join(folder, IDENTIFIER + ".py")):
         identifier, text = _identify(folder)
@@ -33,6 +40,37 @@ def inspect(folder):
 
 def _finding(name, line, text, fatal):
     return {"file": name + ".py", "line": line, "text": text, "fatal": fatal}
+
+
+def _others(folder):
+    """The other files of Python, relative to the folder, in order."""
+    found = []
+    for root, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.relpath(os.path.join(root, name), folder)
+            if name.endswith(".py") and path[: -len(".py")] not in MODULES:
+                found.append(path)
+    return sorted(found)
+
+
+def _look_beside(folder, path):
+    """(line, text, fatal) for what is wrong in a file that a module may import."""
+    with open(os.path.join(folder, path), "rb") as file:
+        source = file.read()
+    try:
+        tree = ast.parse(source, path)
+    except SyntaxError as error:
+        yield (*explaining.syntax_parts(error), False)
+    except ValueError as error:
+        yield None, _no_source(error), False
+    except (MemoryError, RecursionError):
+        pass  # Whoever imports it hears of it.
+    else:
+        yield from _advice(tree)
+
+
+def _no_source(error):
+    return "it is no Python source: {}; save it as UTF-8".format(error)
 
 
 def _look(path, name):
@@ -53,16 +91,19 @@ def _look(path, name):
         yield (*explaining.syntax_parts(error), True)
         return
     except ValueError as error:
-        text = "it is no Python source: {}; save it as UTF-8".format(error)
-        yield None, text, True
+        yield None, _no_source(error), True
         return
     except (MemoryError, RecursionError) as error:
         text = "{}: Python cannot read it, because an expression or a block is nested too deeply"
         yield None, text.format(type(error).__name__), True
         return
     yield from _signature(tree, name)
-    advice = list(_stand_ins(tree)) + list(_older_names(tree)) + list(_small_types(tree))
-    yield from sorted(advice, key=lambda each: each[0])
+    yield from _advice(tree)
+
+
+def _advice(tree):
+    advice = [*_stand_ins(tree), *_matchers(tree), *_older_names(tree), *_small_types(tree)]
+    return sorted(advice, key=lambda each: each[0])
 
 
 def _signature(tree, name):
@@ -106,7 +147,8 @@ def _may_come_from_elsewhere(tree, name, known=None):
     return False
 
 
-def _stand_ins(tree):
+def _imports(tree):
+    """(line, package) where one is imported first."""
     seen = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -116,32 +158,54 @@ def _stand_ins(tree):
         else:
             continue
         for name in (each.split(".")[0] for each in names):
-            if name not in seen and older.stands_in(name):
+            if name not in seen:
                 seen.add(name)
-                text = (
-                    "{} is not installed where this is graded; importing it is fine, using it is "
-                    "an error".format(name)
-                )
-                yield node.lineno, text, False
+                yield node.lineno, name
+
+
+def _stand_ins(tree):
+    for line, name in _imports(tree):
+        if older.stands_in(name):
+            text = (
+                "{} is not installed where this is graded; importing it is fine, using it is "
+                "an error".format(name)
+            )
+            yield line, text, False
+
+
+def _matchers(tree):
+    for line, name in _imports(tree):
+        if name in MATCHERS:
+            text = "{} brings matchers ({}): those are not its author's work".format(
+                name, MATCHERS[name]
+            )
+            yield line, text, False
 
 
 def _older_names(tree):
-    gone = older.gone()
     seen = set()
     for node in ast.walk(tree):
         if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
             continue
-        if (node.value.id, node.attr) == ("time", "clock") and not hasattr(time, "clock"):
-            if node.attr not in seen:
-                seen.add(node.attr)
-                text = "time.clock is gone from Python; it is run as time.process_time, which you "
-                yield node.lineno, text + "should write", False
-        elif node.value.id in ("np", "numpy") and node.attr in gone and node.attr not in seen:
-            seen.add(node.attr)
-            text = "{0}.{1} is gone from numpy; it is run as {2}, which you should write".format(
-                node.value.id, node.attr, gone[node.attr]
-            )
+        name = "{}.{}".format(node.value.id, node.attr)
+        now = _now(node.value.id, node.attr)
+        if now and name not in seen:
+            seen.add(name)
+            text = "{} is gone; it is run as {}, which you should write".format(name, now)
             yield node.lineno, text, False
+
+
+def _now(module, name):
+    """What a name is called today that its module lacks; None if it has it, or never had."""
+    if (module, name) == ("time", "clock") and not hasattr(time, name):
+        return "time.process_time"
+    if (module, name) == ("fractions", "gcd") and not hasattr(fractions, name):
+        return "math.gcd"
+    if module == "collections" and name in collections.abc.__all__:
+        return None if hasattr(collections, name) else "collections.abc." + name
+    if module in ("np", "numpy"):
+        return older.gone().get(name)
+    return older.gone_windows().get(name) if module == "signal" else None
 
 
 def _small_types(tree):

@@ -6,6 +6,7 @@ run FOLDER FUNCTION   imports the module with the function's name, and calls it 
 """
 
 import json
+import os
 import sys
 
 from hazcam_runner.channel import TEXT_LIMIT, Channel
@@ -17,6 +18,17 @@ FINDING_LIMIT = 1000
 def main():
     """Does what the command line says."""
     channel = Channel()
+    if "HAZCAM_SANDBOX" in os.environ:
+        try:
+            from hazcam_runner import programs
+
+            programs.forbid()
+        except (ImportError, OSError) as error:
+            channel.absent(
+                "{} cannot be kept from starting other programs ({}: {}): use another Python, with "
+                "--python".format(sys.executable, type(error).__name__, error)
+            )
+            return
     try:
         # Before the submission's own folder is looked into: a file of its own called numpy.py
         # would be taken for it.

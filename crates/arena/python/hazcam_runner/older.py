@@ -8,10 +8,14 @@ them is an error.
 """
 
 import builtins
+import collections
+import collections.abc
+import fractions
 import importlib
 import importlib.abc
 import importlib.machinery
 import importlib.util
+import math
 import sys
 import time
 
@@ -61,6 +65,7 @@ NUMPY_ALIASES = {
     "cumproduct": "np.cumprod",
     "round_": "np.round",
     "in1d": "np.isin",
+    "rank": "np.ndim",
     "row_stack": "np.vstack",
     "trapz": "np.trapezoid",
 }
@@ -70,12 +75,20 @@ NUMPY_PHRASES = {
     "NINF": ("-np.inf", -numpy.inf),
     "NZERO": ("-0.0", -0.0),
     "PZERO": ("0.0", 0.0),
+    "asscalar": ("a.item()", lambda a: a.item()),
+    "math": ("math", math),
     "msort": ("np.sort(a, axis=0)", lambda a: numpy.sort(a, axis=0)),
     "asfarray": (
         "np.asarray(a, dtype=float)",
         lambda a, dtype=numpy.float64: numpy.asarray(a, dtype=dtype),
     ),
 }
+
+# Windows that moved from scipy.signal to scipy.signal.windows. Removed in 1.13.
+WINDOWS = (
+    "barthann bartlett blackman blackmanharris bohman boxcar chebwin cosine exponential flattop gaussian "
+    "general_cosine general_gaussian general_hamming hamming hann kaiser nuttall parzen taylor triang tukey"
+).split()
 
 # Namespaces of scipy.ndimage whose functions all live in scipy.ndimage itself.
 NDIMAGE_PARTS = ("filters", "interpolation", "measurements", "morphology", "fourier")
@@ -103,10 +116,18 @@ def stands_in(module):
 
 
 def gone():
-    """The names that this machine's numpy lacks, with what they were."""
+    """The names that this machine's numpy lacks, with what they are called now."""
     known = {old: now for old, (now, _) in NUMPY_PHRASES.items()}
     known.update(NUMPY_ALIASES)
     return {old: now for old, now in known.items() if old not in numpy.__dict__}
+
+
+def gone_windows():
+    """The windows that this machine's scipy.signal lacks, with what they are called now."""
+    if importlib.util.find_spec("scipy") is None:
+        return {}
+    signal = importlib.import_module("scipy.signal")
+    return {name: "scipy.signal.windows." + name for name in WINDOWS if not hasattr(signal, name)}
 
 
 def restore():
@@ -121,8 +142,33 @@ def restore():
         setattr(numpy, old, value)
     if not hasattr(time, "clock"):
         time.clock = time.process_time
+    if not hasattr(fractions, "gcd"):
+        fractions.gcd = math.gcd
+    for name in collections.abc.__all__:
+        if not hasattr(collections, name):
+            setattr(collections, name, getattr(collections.abc, name))
+    sys.meta_path.insert(0, _Signal())
     sys.meta_path.append(_NdimageParts())
     sys.meta_path.append(_StandIns())
+
+
+class _Signal(importlib.abc.MetaPathFinder):
+    """Adds its windows to scipy.signal once that is imported, which takes long."""
+
+    def find_spec(self, name, path=None, target=None):
+        spec = importlib.machinery.PathFinder.find_spec(name, path) if name == "scipy.signal" else None
+        if spec is not None:
+            load = spec.loader.exec_module
+
+            def exec_module(module):
+                load(module)
+                windows = importlib.import_module("scipy.signal.windows")
+                for each in WINDOWS:
+                    if not hasattr(module, each) and hasattr(windows, each):
+                        setattr(module, each, getattr(windows, each))
+
+            spec.loader.exec_module = exec_module
+        return spec
 
 
 class _NdimageParts(importlib.abc.MetaPathFinder, importlib.abc.Loader):

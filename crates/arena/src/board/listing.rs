@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::standing::Standing;
 use crate::report::{Cell, Column, Table};
 
-/// One row for everybody, best first; with whose entries they are, by secret ID, for those who write down marks.
+/// One row for everybody, best first; with whose entries they are, by secret ID, and what to look at, for those who write
+/// down marks.
 pub fn table(standings: &[Standing], owners: Option<&BTreeMap<String, String>>) -> Table {
     let columns = [
         "place",
@@ -19,7 +20,7 @@ pub fn table(standings: &[Standing], owners: Option<&BTreeMap<String, String>>) 
         "total",
         "added",
     ];
-    let columns = columns.into_iter().chain(owners.map(|_| "owner"));
+    let columns = columns.into_iter().chain(owners.into_iter().flat_map(|_| ["owner", "doubts"]));
     let mut table = Table { columns: columns.map(Column::new).collect(), rows: Vec::new() };
     // Quarters and the like need a second digit.
     let is_whole = |points: f64| (10.0 * points).fract().abs() < 1e-6;
@@ -44,10 +45,10 @@ pub fn table(standings: &[Standing], owners: Option<&BTreeMap<String, String>>) 
             Cell::text(&entry.added),
         ];
         // One that was renamed in the meantime has none here.
-        cells.extend(
-            owners
-                .map(|owners| Cell::text(owners.get(&entry.secret_id).map_or("", String::as_str))),
-        );
+        if let Some(owners) = owners {
+            cells.push(Cell::text(owners.get(&entry.secret_id).map_or("", String::as_str)));
+            cells.push(Cell::text(standing.doubts.join("; ")));
+        }
         table.push(cells);
     }
     table

@@ -21,6 +21,10 @@ pub struct Standing {
     pub bonus: f64,
     /// Points of the tests and the bonus.
     pub total: f64,
+    /// What whoever grades should look at, in words: answers that equal the truth, or those of somebody else. It may be
+    /// honest: a fixed window has not many ways to be written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
     /// Who stands here.
     pub entry: Entry,
 }
@@ -39,7 +43,8 @@ pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
         .into_iter()
         .map(|entry| {
             let score = holdout_score(&entry.holdout, test);
-            Standing { place: None, score, bonus: 0.0, total: entry.report.points, entry }
+            let (total, doubts) = (entry.report.points, copied(&entry));
+            Standing { place: None, score, bonus: 0.0, total, doubts, entry }
         })
         .collect();
     standings.sort_by(order);
@@ -49,7 +54,42 @@ pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
         standing.bonus = BONUS.get(before).copied().unwrap_or(0.0);
         standing.total += standing.bonus;
     }
+    // Whose scores are the same stand side by side, but for baselines.
+    let competing = |at: &usize| standings[*at].place.is_some();
+    let competing: Vec<usize> = (0..standings.len()).filter(competing).collect();
+    for pair in competing.windows(2) {
+        let (one, other) = (&standings[pair[0]].entry, &standings[pair[1]].entry);
+        if answer_alike(&one.holdout, &other.holdout) {
+            let (of_one, of_other) = (as_well_as(one), as_well_as(other));
+            standings[pair[0]].doubts.push(of_other);
+            standings[pair[1]].doubts.push(of_one);
+        }
+    }
     standings
+}
+
+/// A doubt where an answer equals the truth.
+fn copied(entry: &Entry) -> Vec<String> {
+    let looks_copied =
+        |test: &&TestResult| test.scores.as_ref().is_some_and(|scores| scores.looks_copied());
+    let tests = entry.report.tests.iter().chain([&entry.holdout]).filter(looks_copied);
+    let names: Vec<&str> = tests.map(|test| &*test.name).collect();
+    match names.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("nearly all of the truth in {}", names.join("; "))],
+    }
+}
+
+fn as_well_as(entry: &Entry) -> String {
+    format!("the same scores on the hold-out as `{}`, to the last digit", entry.secret_id)
+}
+
+/// Whether two answers are the same, as far as both numbers tell.
+fn answer_alike(one: &TestResult, other: &TestResult) -> bool {
+    match (&one.scores, &other.scores) {
+        (Some(one), Some(other)) => (one.e_rms, one.p_bad) == (other.e_rms, other.p_bad),
+        _ => false,
+    }
 }
 
 /// Better before worse, earlier before later: whoever hands the same in again cannot pass the first. Times do not
@@ -134,6 +174,33 @@ pub(crate) mod tests {
             ("none", None, 0.0),
         ];
         assert_eq!(ranked(entries), expected.map(|(id, p, b)| (id.to_owned(), p, b)));
+    }
+
+    #[test]
+    fn answers_of_somebody_else_and_the_truth_are_told() {
+        let alike = |id| entry(id, Some(1.25), 0.02, 1.0);
+        let mut baseline = alike("baseline");
+        baseline.baseline = true;
+        let mut copied = entry("copied", Some(0.0), 0.0, 1.0);
+        copied.holdout.scores.as_mut().unwrap().identical = 1.0;
+        let entries = vec![
+            alike("one"),
+            alike("other"),
+            baseline,
+            entry("by chance", Some(1.25), 0.021, 1.0),
+            entry("none", None, 0.0, 1.0),
+            entry("neither", None, 0.0, 1.0),
+            copied,
+        ];
+        let standings = standings(entries, &Holdout::secret(600.0).unwrap().test);
+        let doubts: Vec<(&str, &[String])> =
+            standings.iter().map(|s| (&*s.entry.secret_id, &*s.doubts)).collect();
+        let as_ =
+            |id| vec![format!("the same scores on the hold-out as `{id}`, to the last digit")];
+        assert_eq!(doubts[0], ("copied", &["nearly all of the truth in One".into()][..]));
+        assert_eq!(doubts[1], ("one", &as_("other")[..]));
+        assert_eq!(doubts[2], ("other", &as_("one")[..]));
+        assert!(doubts[3..].iter().all(|(_, doubts)| doubts.is_empty()), "{doubts:?}");
     }
 
     #[test]

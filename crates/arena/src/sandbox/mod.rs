@@ -3,7 +3,8 @@
 //! **What is kept from it.** It reads the system's libraries and what its [`Policy`] lists, writes
 //! only in its own folders, has no network, starts no process, signals nobody but itself, and runs
 //! into limits of CPU time, memory, file size, open files, threads and total disk space. It holds
-//! for root as for anybody else: capabilities are dropped for good.
+//! for root as for anybody else: capabilities are dropped for good. What it may read it may also become, by `execve`:
+//! Python's runner forbids that to itself before it reads a submission.
 //!
 //! **How.** Everything here is unprivileged and irrevocable:
 //!

@@ -257,6 +257,70 @@ pub(super) fn left_out(staging: &Path, root: &Path) -> Option<Finding> {
     Some(Finding { file: shortened(&other), line: None, text, fatal: false })
 }
 
+/// Bytes of a file that holds more than a page of text or a few numbers, and of a source that nobody wrote by hand.
+const LARGE: u64 = 20_000;
+const LARGE_SOURCE: u64 = 200_000;
+
+/// A finding for what may do more than the source tells: compiled code, which could be somebody else's matcher, and
+/// files of a size that truth would take.
+pub(super) fn unreadable(root: &Path) -> Option<Finding> {
+    let mut found = Vec::new();
+    let mut left = vec![root.to_owned()];
+    while let Some(path) = left.pop() {
+        if path.is_dir() {
+            left.extend(fs::read_dir(&path).into_iter().flatten().flatten().map(|e| e.path()));
+            continue;
+        }
+        let bytes = path.metadata().map_or(0, |found| found.len());
+        let is_source = path.extension().is_some_and(|end| end == "py" || end == "ipynb");
+        let kind = match is_compiled(&path) {
+            true => " of compiled code",
+            false if bytes >= if is_source { LARGE_SOURCE } else { LARGE } => "",
+            false => continue,
+        };
+        let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
+        found.push((bytes, name, kind));
+    }
+    // The largest first; of the same size by name, since folders are listed in any order.
+    found.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    let (_, first, _) = found.first()?;
+    let told: Vec<String> = (found.iter().take(SHOWN))
+        .map(|(bytes, name, kind)| {
+            format!("{} ({} KB{kind})", shortened(name), bytes.div_ceil(1000))
+        })
+        .collect();
+    let more = match found.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let text = format!(
+        "what the source does not tell comes with it: {}{more}; whoever grades should know what it is for. A matcher \
+         may bring what it has learned, but no truth of a test and no matcher that somebody else made",
+        told.join(", ")
+    );
+    Some(Finding { file: shortened(first), line: None, text, fatal: false })
+}
+
+/// Files that [`unreadable`] names.
+const SHOWN: usize = 5;
+
+/// Whether a file begins as programs and libraries do on Linux, Windows or macOS, or as Python's byte code is called.
+fn is_compiled(path: &Path) -> bool {
+    const BEGINNINGS: [&[u8]; 6] = [
+        b"\x7fELF",
+        b"MZ",
+        b"\xca\xfe\xba\xbe",
+        b"\xcf\xfa\xed\xfe",
+        b"\xce\xfa\xed\xfe",
+        b"!<arch>\n",
+    ];
+    let mut beginning = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(8).read_to_end(&mut beginning));
+    let is_text = path.extension().is_some_and(|end| end == "py" || end == "txt" || end == "md");
+    let called_so = path.extension().is_some_and(|end| end == "pyc" || end == "pyd" || end == "so");
+    called_so || (read.is_ok() && !is_text && BEGINNINGS.iter().any(|b| beginning.starts_with(b)))
+}
+
 /// What a notebook's name ends with, and what is to be done with it.
 const NOTEBOOK: &str = ".ipynb";
 const EXPORT: &str = "a notebook is no Python file, export it (`jupyter nbconvert --to script`, or File > Save as .py)";

@@ -82,6 +82,7 @@ impl Submission {
         let root = contents::find_root(path, staging)?;
         let mut findings = contents::missing_files(&root);
         findings.extend(contents::left_out(staging, &root));
+        findings.extend(contents::unreadable(&root));
         Ok(Self { root, findings })
     }
 
@@ -144,6 +145,37 @@ mod tests {
         let [finding] = opened(&beside).1.findings().to_vec().try_into().unwrap();
         assert_eq!((&finding.file[..], finding.fatal), ("b", false));
         assert!(finding.text.contains("those in `a` are graded"), "{finding}");
+    }
+
+    #[test]
+    fn what_the_source_does_not_tell_is_told() {
+        let with = |files: &[(&str, &[u8])]| {
+            let folder = tempfile::tempdir().unwrap();
+            let (handin, staging) = (folder.path().join("handin"), folder.path().join("staging"));
+            fs::create_dir_all(handin.join("lib")).unwrap();
+            fs::create_dir(&staging).unwrap();
+            for name in WHOLE {
+                fs::write(handin.join(name.trim_start_matches("a/")), "# source").unwrap();
+            }
+            for (name, content) in files {
+                fs::write(handin.join(name), content).unwrap();
+            }
+            Submission::open(&handin, &staging).unwrap().findings().to_vec()
+        };
+        let long = vec![b'#'; 150_000];
+        assert_eq!(with(&[("notes.txt", b"MZ: my zebra"), ("lib/tables.py", &long)]), []);
+        let table = vec![0; 25_001];
+        let [finding] = with(&[("lib/fast.dat", b"\x7fELF\x02\x01\x01"), ("a.npy", &table)])
+            .try_into()
+            .unwrap();
+        assert_eq!((&finding.file[..], finding.fatal), ("a.npy", false));
+        let told = "a.npy (26 KB), lib/fast.dat (1 KB of compiled code); whoever";
+        assert!(finding.text.contains(told), "{finding}");
+        let many: Vec<String> = (0..7).map(|number| format!("{number}.pyc")).collect();
+        let many: Vec<(&str, &[u8])> = many.iter().map(|name| (&name[..], &b"x"[..])).collect();
+        assert!(with(&many)[0].text.contains("4.pyc (1 KB of compiled code) and 2 more;"));
+        let long = vec![b'#'; 250_000];
+        assert_eq!(with(&[("lib/tables.py", &long)])[0].file, "lib/tables.py");
     }
 
     #[test]

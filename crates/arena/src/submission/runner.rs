@@ -12,7 +12,7 @@ use super::secret_id::is_secret_id;
 use crate::engine::Status;
 
 /// Its files, relative to the folder.
-const FILES: [(&str, &str); 10] = [
+const FILES: [(&str, &str); 11] = [
     ("start.py", include_str!("../../python/start.py")),
     ("hazcam_runner/__init__.py", include_str!("../../python/hazcam_runner/__init__.py")),
     ("hazcam_runner/arrays.py", include_str!("../../python/hazcam_runner/arrays.py")),
@@ -23,6 +23,7 @@ const FILES: [(&str, &str); 10] = [
     ("hazcam_runner/loading.py", include_str!("../../python/hazcam_runner/loading.py")),
     ("hazcam_runner/main.py", include_str!("../../python/hazcam_runner/main.py")),
     ("hazcam_runner/older.py", include_str!("../../python/hazcam_runner/older.py")),
+    ("hazcam_runner/programs.py", include_str!("../../python/hazcam_runner/programs.py")),
 ];
 
 /// The runner, ready to be started.

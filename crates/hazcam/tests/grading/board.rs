@@ -128,8 +128,9 @@ fn entrants_are_ranked_renamed_and_removed() {
     assert_eq!(course.ranking().len(), 2);
     // Whose they are is told to who asks for it alone.
     let csv = course.done(&["show", "--owners", "--format", "csv"]);
-    let of_four = csv.lines().find(|line| line.contains("Four")).expect("it is on the board");
-    assert!(csv.lines().next().unwrap().ends_with(",owner") && of_four.ends_with(",him"), "{csv}");
+    let of_four = csv.lines().find(|line| line.contains(",Four,")).expect("it is on the board");
+    let heads = csv.lines().next().unwrap();
+    assert!(heads.ends_with(",owner,doubts") && of_four.contains(",him,"), "{csv}");
     let json =
         |arguments: &[&str]| course.done(&[&["show", "--format", "json"], arguments].concat());
     assert!(json(&["--owners"]).contains("\"owner\": \"him\""));
@@ -138,6 +139,33 @@ fn entrants_are_ranked_renamed_and_removed() {
             && !json(&[]).contains("\"owner\"")
             && !json(&[]).contains("\"entrant\"")
     );
+}
+
+#[test]
+fn who_answers_as_somebody_else_is_told_to_whoever_grades() {
+    let Some(course) = Course::new() else { return };
+    let add = |owner: &str| {
+        let (status, _, stderr) = course.run(&with(&[
+            "--matcher",
+            "fast",
+            "--owner",
+            owner,
+            "--secret-id",
+            &format!("Anna {owner}"),
+        ]));
+        assert_eq!(status, 0, "{stderr}");
+        stderr
+    };
+    assert!(!add("one").contains("same scores"));
+    let told = add("two");
+    assert!(
+        told.contains("`Anna two` has the same scores on the hold-out as `Anna one`"),
+        "{told}"
+    );
+    let csv = course.done(&["show", "--owners", "--format", "csv"]);
+    assert!(csv.contains(",two,\"the same scores on the hold-out as `Anna one`,"), "{csv}");
+    let json = course.done(&["show", "--format", "json"]);
+    assert!(!json.contains("doubts"), "{json}");
 }
 
 #[test]

@@ -104,14 +104,6 @@ fn no_process_is_started() {
         ("import multiprocessing\nmultiprocessing.Pool(2)", "RE", &[], &["hint"]),
         ("assert os.system('true') == 0, 'no shell'", "RE", &["no shell"], &[]),
         ("os.posix_spawn('/bin/true', ['true'], {})", "RE", &[], &["may not start programs"]),
-        // Another program in its own place has the same rights and no answer.
-        ("os.execv('/bin/true', ['true'])", "RE", &["exited with status 0 without an answer"], &[]),
-        (
-            "os.execv('/bin/cat', ['cat', '/etc/passwd'])",
-            "RE",
-            &["exited with status 1", "Permission denied"],
-            &[],
-        ),
         (
             "while True: threading.Thread(target=time.sleep, args=(100,), daemon=True).start()",
             "RE",
@@ -119,6 +111,36 @@ fn no_process_is_started() {
             &[],
         ),
     ]);
+}
+
+#[test]
+fn no_other_program_takes_the_place_of_a_submission() {
+    // It would have the same rights, and the line to the grader: a matcher that is installed would answer.
+    let thread = "caught = []\ndef run():\n    try: os.execv('/bin/true', ['true'])\n    except OSError as e: \
+                  caught.append(e)\nthread = threading.Thread(target=run)\nthread.start()\nthread.join()\nraise caught[0]";
+    // The loader would start what may only be read.
+    let loader = "for each in ['/lib64/ld-linux-x86-64.so.2', '/lib/ld-linux-aarch64.so.1']:\n    if \
+                  os.path.exists(each): os.execv(each, [each, '/bin/true'])\nraise PermissionError(13, 'no loader')";
+    let raw = "libc = ctypes.CDLL(None, use_errno=True)\nargv = (ctypes.c_char_p * 2)(b'true', None)\n\
+               libc.execve(b'/bin/true', argv, None)\nraise OSError(ctypes.get_errno(), 'execve')";
+    if let Some(classroom) = Classroom::with_python() {
+        for body in ["os.execv('/bin/true', ['true'])", thread, loader, raw] {
+            let report = classroom.grade_source(&attack(body));
+            report.expect("RE", &["PermissionError", "may not start programs"]);
+        }
+        let early = "import os\nos.execv('/bin/true', ['true'])\n";
+        let report = classroom.grade_source(&format!("{early}{HONEST}"));
+        report.expect("RE", &["PermissionError", "may not start programs"]);
+        classroom.expect_the_next_to_pass();
+    }
+    // Engines are what the grader chose: scripts among them begin programs.
+    if let Some(classroom) = Classroom::with_plain_python() {
+        let run = |body| classroom.grade_program(&program(body));
+        let report = run("os.execv('/bin/true', ['true'])");
+        report.expect("RE", &["exited with status 0 without an answer"]);
+        let report = run("os.execv('/bin/cat', ['cat', '/etc/passwd'])");
+        report.expect("RE", &["exited with status 1", "Permission denied"]);
+    }
 }
 
 #[test]

@@ -132,6 +132,32 @@ fn mistakes_in_python_3_are_not_taken_for_python_2() {
 }
 
 #[test]
+fn files_beside_the_modules_are_looked_at_too() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let source = format!("import tools\n{HONEST}");
+    let graded = |tools: &[u8]| {
+        let submission = classroom.submission("helped", &source);
+        fs::write(submission.join("tools.py"), tools).unwrap();
+        classroom.grade(&submission, &[])
+    };
+    let report = graded(b"import cv2\n");
+    let told = report.findings();
+    assert!(told.contains("\"tools.py\" 1: \"cv2 brings matchers (StereoBM"), "{told}");
+    let report = graded(b"import numpy as np\nZERO = np.asscalar(np.zeros(1))\nx = np.float(1)\n");
+    report.expect("OK", &[]);
+    assert!(report.findings().contains("\"tools.py\" 2: \"np.asscalar is gone"));
+    let report = graded(b"x = (\n");
+    report.expect("RE", &["tools.py, line 1: SyntaxError"]);
+    assert!(report.findings().contains("\"tools.py\" 1: \"SyntaxError"), "{}", report.findings());
+    // As some editors save on Windows.
+    let utf16: Vec<u8> = "\u{feff}x = 1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let report = graded(&utf16);
+    assert_eq!(report.outcome(0), "RE");
+    assert!(!report.message(0).contains('?'), "{}", report.message(0));
+    assert!(report.findings().contains("\"tools.py\" "), "{}", report.findings());
+}
+
+#[test]
 fn a_source_that_is_too_deep_for_python_does_not_hide_the_secret_id() {
     let Some(classroom) = Classroom::with_python() else { return };
     let report = classroom.grade_source(&format!("depth = {}1\n{HONEST}", "-".repeat(20_000)));

@@ -204,6 +204,9 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ""
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}{kept}\n"))?;
+    for doubt in standing.map_or(&[][..], |standing| &standing.doubts) {
+        ui.warn(format_args!("`{secret_id}` has {doubt}"));
+    }
     Ok(ExitCode::SUCCESS)
 }
 

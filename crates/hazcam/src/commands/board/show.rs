@@ -16,7 +16,7 @@ pub struct Args {
     #[arg(value_parser = crate::commands::choice(["text", "json", "csv", "markdown"]))]
     format: String,
 
-    /// Say whose each entry is, for a list of marks: not for publishing
+    /// Say whose each entry is, and what is doubtful about it, for a list of marks: not for publishing
     #[arg(long)]
     owners: bool,
 }
@@ -39,7 +39,8 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The standings for programs: without owners also without the names of hand-ins, which tell them.
+/// The standings for programs: without owners also without doubts, and without the names of
+/// hand-ins, which tell them.
 fn listed(
     standings: &[Standing],
     owners: Option<&BTreeMap<String, String>>,
@@ -52,6 +53,7 @@ fn listed(
             None => {
                 let report = entry["report"].as_object_mut();
                 report.and_then(|report| report.remove("entrant"));
+                one.as_object_mut().and_then(|one| one.remove("doubts"));
             }
         }
     }
