@@ -140,7 +140,16 @@ fn explain(source: &Source, error: DecodingError) -> FormatError {
         DecodingError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
             source.malformed(Container::Png, there, "the file ends early: was it copied whole?")
         }
-        error => source.malformed(Container::Png, None, error.to_string()),
+        error => source.malformed(Container::Png, None, in_words(&error)),
+    }
+}
+
+/// What the decoder says; of a checksum it prints the chunk's fields.
+fn in_words(error: &DecodingError) -> String {
+    let text = error.to_string();
+    match text.starts_with("CRC error") {
+        true => "a checksum does not agree, so bytes were changed: copy the file again".into(),
+        false => text,
     }
 }
 

@@ -45,24 +45,35 @@ const MATRICES: [&str; 3] = ["P1", "P2", "Q"];
 /// Whether a text is one of OpenCV's, or holds its matrices as Python's writers of YAML and JSON have them: in
 /// brackets, or line by line, where KITTI's are bare numbers.
 pub(super) fn is_opencv(entries: &Entries<'_>, text: &str) -> bool {
-    let is_list = |value: &str| value.is_empty() || value.starts_with('[');
-    is_stored(text)
+    let is_list = |value: &str| value.is_empty() || value.starts_with(['[', '!']);
+    header(text).is_some()
         || MATRICES.iter().any(|name| entries.values(name).any(is_list))
         || text.trim_start().starts_with('{')
             && MATRICES.iter().any(|name| text.contains(&format!("\"{name}\"")))
 }
 
-/// Whether a text begins as OpenCV's YAML does.
-fn is_stored(text: &str) -> bool {
-    BEGINNINGS.iter().any(|beginning| text.starts_with(beginning))
+/// Where the line ends with which OpenCV's YAML begins, if it does. Somebody may have written comments above it.
+fn header(text: &str) -> Option<usize> {
+    let mut end = 0;
+    for line in text.split_inclusive('\n') {
+        end += line.trim_end().len();
+        if BEGINNINGS.iter().any(|beginning| line.starts_with(beginning)) {
+            return Some(end);
+        }
+        if !line.trim_start().is_empty() && !line.starts_with('#') {
+            return None;
+        }
+        end += line.len() - line.trim_end().len();
+    }
+    None
 }
 
 /// The pair of `P1` and `P2`, or of `Q`.
 pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, FormatError> {
-    // From the end of the first line on, so that lines are counted right.
-    let begin = if is_stored(text) { text.find('\n').unwrap_or(text.len()) } else { 0 };
-    let body = &text[begin..];
-    let storage: Storage = yaml::read(entries, body)?;
+    let begin = header(text).unwrap_or(0);
+    // As many lines above it as there are, so that lines are counted right.
+    let above = "\n".repeat(text[..begin].matches('\n').count());
+    let storage: Storage = yaml::read(entries, &(above + &text[begin..]))?;
     let camera = match (storage.left, storage.right, storage.reprojection) {
         (Some(left), Some(right), _) => {
             let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];
@@ -211,12 +222,22 @@ mod tests {
         let line = text[..text.find("seven").unwrap()].lines().count();
         let error = read(&text).unwrap_err();
         assert!(error.contains(&format!("line {line}")), "{error}");
+        let error = read(&format!("# our rig\n\n{text}")).unwrap_err();
+        assert!(error.contains(&format!("line {}", line + 2)), "{error}");
     }
 
     #[test]
     fn what_else_is_in_the_file_does_not_matter() {
         let other = SAMPLE.replace("[ 705.,", "[ .Inf,");
-        for text in [other.replace("706.", "-.Nan"), format!("\u{feff}{SAMPLE}")] {
+        let (header, body) = SAMPLE.split_once("---\n").unwrap();
+        let commented = format!("# our rig\n\n{header}---\n{body}");
+        for text in [
+            other.replace("706.", "-.Nan"),
+            format!("\u{feff}{SAMPLE}"),
+            commented.clone(),
+            format!("\r\n{}", SAMPLE.replace('\n', "\r\n")),
+            body.to_owned(),
+        ] {
             assert_eq!(read(&text).unwrap().camera, read(SAMPLE).unwrap().camera);
         }
         let error = read(&SAMPLE.replace("324.5, -84.", "324.5, -.Inf")).unwrap_err();

@@ -47,14 +47,8 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
         let size = entries.size(["image_width", "image_height"], stated)?;
         (PROJECTION, info.projection_matrix.projection(entries, PROJECTION)?, size)
     } else {
-        // After each message there is a line that parts it from the next.
-        let first = text.split("\n---").next().unwrap_or(text);
-        let Message { width, height, p } = yaml::read(entries, first)?;
-        let count = p.len();
-        let right = p.try_into().map_err(|_| {
-            entries.fail(None, format!("`P` has {count} numbers, but a projection of 3 x 4 has 12"))
-        })?;
-        ("P", right, entries.size(["width", "height"], [width, height])?)
+        let (right, size) = right_of_messages(entries, text)?;
+        ("P", right, entries.size(["width", "height"], size)?)
     };
     if right[3] == 0.0 {
         let problem = format!(
@@ -67,6 +61,30 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
     left[3] = 0.0;
     let camera = entries.projected([name; 2], &[left, right])?;
     Ok(Calibration::of(CalibrationLayout::Ros, camera).sized(size))
+}
+
+/// Projection, columns and rows of the first message that is of a right camera, or else of the first one.
+fn right_of_messages(
+    entries: &Entries<'_>,
+    text: &str,
+) -> Result<([f64; 12], [Option<f64>; 2]), FormatError> {
+    // After each message there is a line that parts it from the next.
+    let part = |text: &str| -> Result<([f64; 12], [Option<f64>; 2]), FormatError> {
+        let Message { width, height, p } = yaml::read(entries, text)?;
+        let count = p.len();
+        let right = p.try_into().map_err(|_| {
+            entries.fail(None, format!("`P` has {count} numbers, but a projection of 3 x 4 has 12"))
+        })?;
+        Ok((right, [width, height]))
+    };
+    let mut messages = text.split("\n---");
+    let first = part(messages.next().unwrap_or(text))?;
+    if first.0[3] != 0.0 {
+        return Ok(first);
+    }
+    // The last one may be cut off.
+    let others = messages.filter_map(|text| part(text).ok());
+    Ok(others.into_iter().find(|(right, _)| right[3] != 0.0).unwrap_or(first))
 }
 
 #[cfg(test)]
@@ -117,6 +135,13 @@ mod tests {
         let two = "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nd:\n- -0.1\np:\n- 700.0\n- 0.0\n- 320.5\n\
             - -84.0\n- 0.0\n- 700.0\n- 240.0\n- 0.0\n- 0.0\n- 0.0\n- 1.0\n- 0.0\n---\n";
         for text in [one.to_owned(), two.to_owned(), one.to_owned() + "height: 480\n"] {
+            assert_eq!(read(&text).unwrap(), read(SAMPLE).unwrap(), "{text}");
+        }
+        // Of both cameras, in any order; of the second copy of the last one only a part.
+        let left = one.replace("-84.0", "0.0");
+        for text in
+            [format!("{left}{one}"), format!("{one}{left}"), format!("{left}{one}height: 4")]
+        {
             assert_eq!(read(&text).unwrap(), read(SAMPLE).unwrap(), "{text}");
         }
         refused(

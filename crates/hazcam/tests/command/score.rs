@@ -47,6 +47,14 @@ fn csv_and_markdown_hold_the_same_numbers() {
 }
 
 #[test]
+fn zeros_in_a_truth_of_floats_are_told() {
+    let folder = folder();
+    folder.disparities("zeros.pfm", &[10.0, 0.0, 10.0, -0.0, 5.0]);
+    let told = folder.run("score d.pfm zeros.pfm").done().stderr;
+    assert!(told.contains("zeros.pfm: 40.0 % of the truth is exactly 0"), "{told}");
+}
+
+#[test]
 fn a_reader_that_goes_away_changes_no_status() {
     let folder = folder();
     for (threshold, status) in [("p_bad=0.4", 1), ("p_bad=0.6", 0)] {

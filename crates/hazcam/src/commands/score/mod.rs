@@ -103,6 +103,17 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         }
     }
 
+    let zeros = truth.values.samples().iter().filter(|&&value| value == 0.0).count();
+    let share = zeros as f64 / truth.values.samples().len() as f64;
+    if share > WORTH_TELLING {
+        ui.note(format_args!(
+            "{}: {:.1} % of the truth is exactly 0, which is unknown in the course's two numbers and a disparity in \
+             all others: where it stands for unknown, store NaN instead",
+            args.truth.display(),
+            100.0 * share
+        ));
+    }
+
     let region = match (&mask, &args.mask) {
         (Some(mask), Some(path)) => Region::masked(path.display().to_string(), mask),
         _ => Region::whole(),
