@@ -203,7 +203,7 @@ pub(super) fn digest(root: &Path) -> io::Result<String> {
 /// submission was packed with its folder. Of several that hold as many it is nobody's to choose one.
 pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, SubmissionError> {
     let mut level = vec![staging.to_owned()];
-    let mut python_files = Vec::new();
+    let (mut python_files, mut packed) = (Vec::new(), None);
     while !level.is_empty() {
         let holding = |folder: &PathBuf| FILES.iter().filter(|f| folder.join(f).is_file()).count();
         // Of folders at the same depth the one that holds most.
@@ -229,6 +229,9 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
                     below.push(path);
                 } else if path.extension().is_some_and(|e| e == "py" || e == "ipynb") {
                     python_files.push(entry.file_name().to_string_lossy().into_owned());
+                } else if path.extension().is_some_and(|e| PACKED.iter().any(|packed| e == *packed))
+                {
+                    packed = Some(shortened(&entry.file_name().to_string_lossy()));
                 }
             }
         }
@@ -237,6 +240,9 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
     python_files.sort();
     python_files.truncate(6);
     let hint = match python_files.is_empty() {
+        true if let Some(packed) = packed => {
+            format!(", but `{packed}`: unpack that, and hand in what is in it")
+        }
         true => ", and no Python file at all".to_owned(),
         false if python_files.iter().all(|name| name.ends_with(NOTEBOOK)) => {
             format!("; it has {}: {EXPORT} under these names", python_files.join(", "))
@@ -246,9 +252,14 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
     Err(SubmissionError::NoModules { path: path.to_owned(), hint })
 }
 
-/// A finding for another folder that holds files of the course, neither the one that was chosen nor below it.
+/// What archives end with.
+const PACKED: [&str; 7] = ["zip", "tar", "gz", "tgz", "7z", "rar", "xz"];
+
+/// A finding for what lies outside of the folder that was chosen: another one with files of the course, or other files
+/// of Python.
 pub(super) fn left_out(staging: &Path, root: &Path) -> Option<Finding> {
-    let other = elsewhere(staging, &FILES, Some(root))?.display().to_string();
+    let Some(other) = elsewhere(staging, &FILES, Some(root)) else { return beside(staging, root) };
+    let other = other.display().to_string();
     let chosen = root.strip_prefix(staging).unwrap_or(root).display().to_string();
     let text = format!(
         "it holds files of the course too, and nobody looks at them: those in `{}` are graded",
@@ -319,6 +330,38 @@ fn is_compiled(path: &Path) -> bool {
     let is_text = path.extension().is_some_and(|end| end == "py" || end == "txt" || end == "md");
     let called_so = path.extension().is_some_and(|end| end == "pyc" || end == "pyd" || end == "so");
     called_so || (read.is_ok() && !is_text && BEGINNINGS.iter().any(|b| beginning.starts_with(b)))
+}
+
+/// A finding for files of Python, none of them the course's, that lie outside of the folder that was chosen.
+fn beside(staging: &Path, root: &Path) -> Option<Finding> {
+    if staging == root {
+        return None;
+    }
+    let mut found = Vec::new();
+    let mut folders = vec![staging.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() && path != root {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "py") {
+                let name = path.strip_prefix(staging).unwrap_or(&path);
+                found.push(shortened(&name.display().to_string()));
+            }
+        }
+    }
+    found.sort();
+    let file = found.first()?.clone();
+    let chosen = root.strip_prefix(staging).unwrap_or(root).display().to_string();
+    let lie = match found.len() - 1 {
+        0 => "it lies".into(),
+        others => format!("it and {others} more of Python lie"),
+    };
+    let text = format!(
+        "{lie} outside of `{}`, whose files are graded, and out of their reach: put all into one folder",
+        shortened(&chosen)
+    );
+    Some(Finding { file, line: None, text, fatal: false })
 }
 
 /// What a notebook's name ends with, and what is to be done with it.

@@ -145,6 +145,25 @@ mod tests {
         let [finding] = opened(&beside).1.findings().to_vec().try_into().unwrap();
         assert_eq!((&finding.file[..], finding.fatal), ("b", false));
         assert!(finding.text.contains("those in `a` are graded"), "{finding}");
+        let helper = [&WHOLE[..], &["a/lib/x.py", "tools.py"]].concat();
+        let [finding] = opened(&helper).1.findings().to_vec().try_into().unwrap();
+        assert_eq!((&finding.file[..], finding.fatal), ("tools.py", false));
+        assert!(finding.text.starts_with("it lies outside of `a`, whose files"), "{finding}");
+        let helpers = [&WHOLE[..], &["b/y.py", "tools.py"]].concat();
+        let [finding] = opened(&helpers).1.findings().to_vec().try_into().unwrap();
+        assert!(finding.text.starts_with("it and 1 more of Python lie outside"), "{finding}");
+    }
+
+    #[test]
+    fn an_archive_in_an_archive_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("handin.zip"), "PK").unwrap();
+        fs::create_dir(folder.path().join("staging")).unwrap();
+        let handin = folder.path().join("outer");
+        fs::create_dir(&handin).unwrap();
+        fs::copy(folder.path().join("handin.zip"), handin.join("handin.zip")).unwrap();
+        let error = Submission::open(&handin, &folder.path().join("staging")).unwrap_err();
+        assert!(error.to_string().contains("`handin.zip`: unpack that"), "{error}");
     }
 
     #[test]

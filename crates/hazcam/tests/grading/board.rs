@@ -256,6 +256,12 @@ fn what_is_on_the_board_as_it_is_is_passed_over() {
     fs::write(course.0.path("alice/notes.txt"), "changed").unwrap();
     let text = course.done(&with(&["alice", "--owner", "alice"]));
     assert!(text.contains("Entered `Secret alice`"), "{text}");
+    // Who ran out of time is graded again where there is more of it, and only there.
+    course.0.submission("slow", &HONEST.replace("    return", "    while maxd: pass\n    return"));
+    for (limit, words) in [("0.2", "Entered"), ("0.2", "stands as it is"), ("0.4", "Entered")] {
+        let text = course.done(&with(&["slow", "--cpu-limit", limit]));
+        assert!(text.contains(words), "{limit}: {text}");
+    }
 }
 
 #[test]

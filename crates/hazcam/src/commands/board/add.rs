@@ -9,7 +9,7 @@ use arena::board::{
     tests_fingerprint,
 };
 use arena::grade::output::text;
-use arena::grade::{Entrant, Outcome, Scene};
+use arena::grade::{Entrant, Outcome, Scene, Scheme};
 use arena::record::Machine;
 use arena::submission::{Part, is_secret_id};
 
@@ -94,6 +94,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     if !args.again
         && let Some(kept) = board.entry_of(owner.name())?
         && args.stands_as(&kept, handin.as_ref(), &tests)
+        && !has_longer(&kept, workshop.scheme())
     {
         ui.print(&format!(
             "`{}` of {} stands as it is since {}: the same files, the same tests (--again grades them again)\n",
@@ -218,6 +219,15 @@ impl Args {
             && is_called_so
             && self.baseline == kept.baseline
     }
+}
+
+/// Whether a test that ran out of time would have longer now.
+fn has_longer(kept: &Entry, scheme: &Scheme) -> bool {
+    let ran_out = kept.report.tests.iter().filter(|test| test.outcome == Outcome::To);
+    ran_out.into_iter().any(|test| {
+        let now = scheme.tests.iter().find(|now| now.name == test.name);
+        now.is_some_and(|now| now.cpu_seconds > test.cpu_limit_seconds)
+    })
 }
 
 /// The board, begun if there is none, with its hold-out as it was when the board was begun.
