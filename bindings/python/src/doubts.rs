@@ -21,7 +21,9 @@ pub fn in_words(
 
 /// What is doubtful about the images themselves, which takes a while to see.
 pub fn of_images(left: &Image, right: &Image) -> Vec<String> {
-    image_doubts(left, right).into_iter().map(of_image).collect()
+    // The number of bits is asked for with each frame.
+    let is_news = |doubt: &ImageDoubt| !matches!(doubt, ImageDoubt::FewBits(_));
+    image_doubts(left, right).into_iter().filter(is_news).map(of_image).collect()
 }
 
 fn of_image(doubt: ImageDoubt) -> String {
@@ -32,6 +34,7 @@ fn of_image(doubt: ImageDoubt) -> String {
         )
     };
     match doubt {
+        ImageDoubt::FewBits(used) => of_bits(used),
         ImageDoubt::FewLevels(_) => "all samples of `left` and `right` lie in a small part of what they hold, which makes \
                                      matches worse; spread them over all of it, alike in both"
             .to_owned(),

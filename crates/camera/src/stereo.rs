@@ -153,7 +153,8 @@ impl StereoCamera {
     }
 
     /// Depth in metres of each disparity in pixels; NaN where there is none, in or out, or none that a
-    /// float of 32 bits holds.
+    /// float of 32 bits holds. A matcher fills what it does not see: to have no depth of its guesses give what is sure
+    /// ([`DisparityMap::surer_than`](raster::DisparityMap::surer_than)).
     pub fn depth_map(&self, disparities: &Plane<f32>) -> Plane<f32> {
         disparities.map(|&d| self.depth_in_32_bits(d).unwrap_or(f32::NAN))
     }

@@ -16,8 +16,8 @@ const DEPTHS: Numbers = Numbers {
     finite: "a depth is finite, or NaN for no value",
     scale: 1000.0,
     below: 65.5355,
-    png: "a 16-bit PNG of millimetres holds 0 to 65.535 m: write .pfm, .npy or .tiff instead, or leave \
-          out what lies beyond that (`hazcam depth --max-depth 65`)",
+    png: "a 16-bit PNG of millimetres holds 0 to 65.535 m: write .pfm, .npy or .tiff instead, or make NaN \
+          of what lies beyond that (`hazcam depth --max-depth 65`)",
 };
 
 /// Writes a depth map, its format by extension, whole or not at all.

@@ -23,7 +23,9 @@ pub struct ReadDisparity {
 ///
 /// With [`Encoding::Auto`] the content decides. Integers do not say their scale: 16-bit grey is
 /// taken for KITTI's (/ 256), 8-bit grey and arrays of int16, uint16 and uint8 for whole disparities (/ 1), and the
-/// note says so, because a map read at the wrong scale looks right and scores as almost all wrong. Any other
+/// note says so, because a map read at the wrong scale looks right and scores as almost all wrong. A disparity of 0 comes
+/// back from KITTI's PNG as 1/256, since 0 says there that there is none ([`write_disparity`]): before depth is made of it,
+/// make that 0 again. Any other
 /// encoding is a demand: a file of another kind is an error.
 ///
 /// Errors: [`FormatError::Read`], [`FormatError::WrongKind`] for a file that holds no disparities or not so encoded,

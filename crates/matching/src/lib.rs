@@ -16,7 +16,8 @@
 //! (winner takes all) and the beginning of its fourth (fractions of a pixel, cross-checking).
 //!
 //! A *preset* strings stages together for one purpose: [`Preset::Fast`], [`Preset::Balanced`],
-//! [`Preset::Best`]. `kernels` holds what must be quick.
+//! [`Preset::Best`]. `kernels` holds what must be quick. What looks wrong about images and answers, though no rule was
+//! broken, [`image_doubts`] and [`doubts`] tell.
 //!
 //! ```
 //! use matching::{Matcher, Options, Preset};

@@ -164,7 +164,16 @@ impl Matcher {
     /// The disparity of every pixel in `bounds` (the whole image without one), in pixels: `d` says that
     /// left `(x, y)` shows what right `(x - d, y)` shows, so it is the larger the nearer that is. Outside
     /// the box, and where holes are kept, it is NaN, and the reason says why. Colour images are matched as
-    /// grey.
+    /// grey. What was filled in is a guess: depth is made of what is sure ([`DisparityMap::surer_than`]).
+    ///
+    /// Samples of 16 bits are to fill them. Those of cameras of 10 or 12 bits that are stored as they come are matched
+    /// worse, in `fast` and `best` by far: give [`Image::widened_from`] of them. [`image_doubts`](crate::image_doubts)
+    /// tells that and more of a pair, [`doubts`](crate::doubts) of an answer. Frames that come in a buffer with gaps
+    /// between the rows go to an image that is kept ([`Plane::copy_from`](raster::Plane::copy_from)), answers to another
+    /// thread by [`Clone::clone_from`] to a map that is kept: neither takes memory once it is large enough.
+    ///
+    /// Nothing is allocated for a frame of the size, the kind and the box of the one before; a box that moves takes a few
+    /// allocations with each frame, and begins anew where [`Options::memory`] is set.
     ///
     /// A box is not cut out of the answer to the whole image: near its edges, and where fills and speckles reach
     /// beyond them, the two differ. It is answered from what it shows, in `fast` from twice as many columns as there

@@ -124,6 +124,12 @@ pub struct DisparityRange {
     max: i32,
 }
 
+impl fmt::Display for DisparityRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.min, self.max)
+    }
+}
+
 impl DisparityRange {
     /// All whole disparities from `min` to `max`. Errors when `max < min`.
     pub fn new(min: i32, max: i32) -> Result<Self, BoundsError> {

@@ -1,5 +1,7 @@
 //! What a matcher answers: per pixel a disparity, the reason for it, and how sure it is.
 
+use std::fmt;
+
 use crate::{BoundingBox, Plane};
 
 /// Why a pixel has the value it has, or none. Stored as one byte per pixel.
@@ -72,12 +74,19 @@ impl Reason {
     }
 }
 
+/// Its [name](Reason::name).
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 /// A disparity per pixel of the left image, with its reason and confidence. All planes have the
 /// size of the left image.
 ///
 /// Where a pixel has no value it is NaN, which equals nothing: a map with such pixels is not `==` to itself.
 /// Compare the bits of its values ([`f32::to_bits`]).
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, PartialEq, Default)]
 pub struct DisparityMap {
     /// Disparity in pixels, `x_right = x_left - d`; NaN exactly where the reason has no value. All of a matcher's,
     /// filled ones too, lie within the range that was asked for.
@@ -91,6 +100,21 @@ pub struct DisparityMap {
     pub confidence: Plane<f32>,
 }
 
+/// [`Clone::clone_from`] keeps the memory of a map that is large enough: so answers go to other threads without any
+/// allocation.
+impl Clone for DisparityMap {
+    fn clone(&self) -> Self {
+        let Self { values, reasons, confidence } = self;
+        Self { values: values.clone(), reasons: reasons.clone(), confidence: confidence.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.values.clone_from(&source.values);
+        self.reasons.clone_from(&source.reasons);
+        self.confidence.clone_from(&source.confidence);
+    }
+}
+
 impl DisparityMap {
     /// No matcher is surer of what was filled in without a match.
     pub const MOST_OF_A_GUESS: f32 = 0.05;
@@ -102,6 +126,18 @@ impl DisparityMap {
             reasons: Plane::filled(columns, rows, Reason::OutsideBox),
             confidence: Plane::filled(columns, rows, 0.0),
         }
+    }
+
+    /// The values that are at least so sure, NaN where none is: what depth is to be made of. With 0.1 all guesses are left
+    /// out, see [`DisparityMap::MOST_OF_A_GUESS`].
+    pub fn surer_than(&self, min_confidence: f32) -> Plane<f32> {
+        let mut values = self.values.clone();
+        for (value, &confidence) in values.samples_mut().iter_mut().zip(self.confidence.samples()) {
+            if confidence < min_confidence {
+                *value = f32::NAN;
+            }
+        }
+        values
     }
 
     /// As [`DisparityMap::empty`], reusing the memory of this map, for someone who writes every pixel
@@ -155,6 +191,22 @@ mod tests {
         let [outside, matched] = [Reason::OutsideBox, Reason::Matched];
         assert_eq!(map.reasons.samples(), [outside, matched, outside]);
         assert_eq!(map.confidence.samples(), [0.0, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn what_is_less_sure_is_left_out() {
+        let map = DisparityMap {
+            values: Plane::new(3, 1, vec![7.0, 8.0, f32::NAN]).unwrap(),
+            reasons: Plane::filled(3, 1, Reason::Matched),
+            confidence: Plane::new(3, 1, vec![0.5, 0.4, 0.0]).unwrap(),
+        };
+        let bits = |values: Plane<f32>| values.map(|value| value.to_bits()).into_samples();
+        let nan = f32::NAN.to_bits();
+        assert_eq!(bits(map.surer_than(0.5)), [7f32.to_bits(), nan, nan]);
+        assert_eq!(bits(map.surer_than(0.0)), bits(map.values.clone()));
+        let mut copy = DisparityMap::empty(5, 5);
+        copy.clone_from(&map);
+        assert_eq!((copy.reasons, copy.confidence), (map.reasons, map.confidence));
     }
 
     #[test]

@@ -7,11 +7,12 @@ use crate::Plane;
 pub enum Image {
     /// Grey, 0 to 255.
     Grey8(Plane<u8>),
-    /// Grey, 0 to 65535.
+    /// Grey, 0 to 65535. Samples of cameras of 10 or 12 bits fill a part of that: [`Image::widened_from`] makes the most
+    /// of them.
     Grey16(Plane<u16>),
     /// Red, green, blue, each 0 to 255.
     Rgb8(Plane<[u8; 3]>),
-    /// Red, green, blue, each 0 to 65535.
+    /// Red, green, blue, each 0 to 65535; of 10 or 12 bits as [`Image::Grey16`].
     Rgb16(Plane<[u16; 3]>),
 }
 

@@ -29,4 +29,4 @@ mod plane;
 pub use bounds::{BoundingBox, BoundsError, DisparityRange};
 pub use disparity::{DisparityMap, Reason};
 pub use image::{Grey, Image, LUMA};
-pub use plane::{Plane, SizeError, View};
+pub use plane::{Plane, SizeError, StrideError, View};

@@ -30,6 +30,32 @@ impl fmt::Display for SizeError {
 
 impl std::error::Error for SizeError {}
 
+/// A buffer does not hold rows of that length so far apart.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StrideError {
+    /// Columns asked for.
+    pub columns: usize,
+    /// Rows asked for.
+    pub rows: usize,
+    /// Samples from the beginning of a row to that of the next.
+    pub stride: usize,
+    /// Samples given.
+    pub samples: usize,
+}
+
+impl fmt::Display for StrideError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { columns, rows, stride, samples } = self;
+        write!(
+            f,
+            "{samples} samples do not hold {rows} rows of {columns}, each {stride} after the one before: give a stride, \
+             counted in samples, of {columns} or more, and stride x (rows - 1) + columns samples or more"
+        )
+    }
+}
+
+impl std::error::Error for StrideError {}
+
 /// How many samples a plane of this size has.
 fn area(columns: usize, rows: usize) -> usize {
     let area = columns.checked_mul(rows);
@@ -39,11 +65,24 @@ fn area(columns: usize, rows: usize) -> usize {
 }
 
 /// Samples of type `T` in row order, without gaps between the rows.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+///
+/// [`Clone::clone_from`] and [`Plane::copy_from`] keep the memory of a plane that is large enough.
+#[derive(Debug, PartialEq, Eq, Default)]
 pub struct Plane<T> {
     columns: usize,
     rows: usize,
     samples: Vec<T>,
+}
+
+impl<T: Clone> Clone for Plane<T> {
+    fn clone(&self) -> Self {
+        Self { columns: self.columns, rows: self.rows, samples: self.samples.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        (self.columns, self.rows) = (source.columns, source.rows);
+        self.samples.clone_from(&source.samples);
+    }
 }
 
 impl<T> Plane<T> {
@@ -104,13 +143,13 @@ impl<T> Plane<T> {
         self.samples
     }
 
-    /// Row `y` from left to right. Panics when `y >= rows`.
+    /// Row `y` from left to right. Panics when `y >= rows`, unless there are no columns.
     #[inline]
     pub fn row(&self, y: usize) -> &[T] {
         &self.samples[y * self.columns..][..self.columns]
     }
 
-    /// Row `y` from left to right. Panics when `y >= rows`.
+    /// Row `y` from left to right. Panics when `y >= rows`, unless there are no columns.
     #[inline]
     pub fn row_mut(&mut self, y: usize) -> &mut [T] {
         &mut self.samples[y * self.columns..][..self.columns]
@@ -172,6 +211,16 @@ impl<T: Clone> Plane<T> {
         self.samples.resize(needed, value);
     }
 
+    /// Makes this a copy of a view, and keeps its memory as [`Plane::reset`] does.
+    pub fn copy_from(&mut self, view: View<'_, T>) {
+        (self.columns, self.rows) = (view.columns, view.rows);
+        self.samples.clear();
+        self.samples.reserve_exact(area(view.columns, view.rows));
+        for y in 0..view.rows {
+            self.samples.extend_from_slice(view.row(y));
+        }
+    }
+
     /// Writes the same `value` everywhere outside a box, which lies in the plane.
     pub fn fill_around(&mut self, bounds: BoundingBox, value: T) {
         for y in 0..self.rows {
@@ -204,6 +253,39 @@ impl<T> Clone for View<'_, T> {
 impl<T> Copy for View<'_, T> {}
 
 impl<'a, T> View<'a, T> {
+    /// Looks at somebody's buffer, such as a camera's: `rows` rows of `columns` samples each, the next one of which begins
+    /// `stride` samples after the one before.
+    ///
+    /// ```
+    /// use raster::{Plane, View};
+    ///
+    /// let buffer = [1, 2, 3, 0, 4, 5, 6];
+    /// let mut plane = Plane::default();
+    /// plane.copy_from(View::new(&buffer, 3, 2, 4)?);
+    /// assert_eq!(plane.samples(), [1, 2, 3, 4, 5, 6]);
+    /// # Ok::<(), raster::StrideError>(())
+    /// ```
+    ///
+    /// Errors when rows would overlap, or when the buffer ends before the last of them.
+    pub fn new(
+        samples: &'a [T],
+        columns: usize,
+        rows: usize,
+        stride: usize,
+    ) -> Result<Self, StrideError> {
+        let error = StrideError { columns, rows, stride, samples: samples.len() };
+        let needed = match rows {
+            0 => Some(0),
+            _ => stride.checked_mul(rows - 1).and_then(|last| last.checked_add(columns)),
+        };
+        match needed {
+            Some(needed) if needed <= samples.len() && stride >= columns => {
+                Ok(Self { samples, columns, rows, stride })
+            }
+            _ => Err(error),
+        }
+    }
+
     /// Width in pixels.
     #[inline]
     pub fn columns(&self) -> usize {
@@ -255,11 +337,9 @@ impl<'a, T> View<'a, T> {
 impl<T: Clone> View<'_, T> {
     /// Copies the samples into a plane of their own.
     pub fn to_plane(&self) -> Plane<T> {
-        let mut samples = Vec::with_capacity(self.columns * self.rows);
-        for y in 0..self.rows {
-            samples.extend_from_slice(self.row(y));
-        }
-        Plane { columns: self.columns, rows: self.rows, samples }
+        let mut plane = Plane { columns: 0, rows: 0, samples: Vec::new() };
+        plane.copy_from(*self);
+        plane
     }
 }
 
@@ -304,6 +384,31 @@ mod tests {
         }));
         assert!(reshaped.is_err());
         assert_eq!(plane, Plane::filled(2, 3, 1));
+    }
+
+    #[test]
+    fn a_buffer_is_looked_at_row_by_row() {
+        let buffer = [1, 2, 3, 0, 4, 5, 6];
+        let view = View::new(&buffer, 3, 2, 4).unwrap();
+        assert_eq!((view.row(0), view.row(1)), (&[1, 2, 3][..], &[4, 5, 6][..]));
+        for (columns, rows, stride) in
+            [(3, 2, 5), (4, 2, 4), (3, 3, 4), (3, 2, 2), (3, usize::MAX, usize::MAX)]
+        {
+            let error = View::new(&buffer, columns, rows, stride).unwrap_err();
+            assert_eq!(error, StrideError { columns, rows, stride, samples: 7 });
+        }
+        assert_eq!(View::new(&buffer, 7, 0, 7).unwrap().to_plane().size(), (7, 0));
+    }
+
+    #[test]
+    fn copies_keep_the_memory_of_a_plane() {
+        let mut plane = Plane::filled(4, 4, 1u8);
+        let place = plane.samples().as_ptr();
+        let small = Plane::new(2, 1, vec![7, 8]).unwrap();
+        plane.copy_from(small.view());
+        assert_eq!((&plane, plane.samples().as_ptr()), (&small, place));
+        plane.clone_from(&Plane::filled(4, 4, 2));
+        assert_eq!((&plane, plane.samples().as_ptr()), (&Plane::filled(4, 4, 2), place));
     }
 
     #[test]

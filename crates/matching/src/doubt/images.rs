@@ -1,6 +1,8 @@
 //! What makes a pair of images doubtful before anything is matched: few of the grey levels that samples can tell apart,
 //! blocks of compression, one that is less sharp than the other.
 
+use std::fmt;
+
 use raster::Image;
 
 use super::detail::{Detail, details};
@@ -29,6 +31,9 @@ const SMALLEST: usize = 64;
 /// What there is to doubt about a pair of images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ImageDoubt {
+    /// Of 16 bits the samples use so many alone, as those of cameras with 10 or 12 do: matches are worse than they would
+    /// be of [`Image::widened_from`] so many.
+    FewBits(u32),
     /// All samples lie between the first two, far from filling what their bits hold, up to the third: steps of grey are
     /// what matching lives on.
     FewLevels([u32; 3]),
@@ -45,13 +50,51 @@ pub enum ImageDoubt {
     UnequalBits([u32; 2]),
 }
 
-/// Doubts about a pair of images of one size, before anything is matched; [`few_bits`] tells of another one.
+/// What it is and what to do, as the end of a sentence that begins with the pair's name.
+impl fmt::Display for ImageDoubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let blurred = |f: &mut fmt::Formatter<'_>, less: &str, more: &str, ratio: f64| {
+            write!(
+                f,
+                "the {more} image has {ratio:.1} times as much fine detail as the {less} one: is one out of focus, moved, \
+                 of another resolution or noisier?"
+            )
+        };
+        match *self {
+            Self::FewBits(used) => write!(
+                f,
+                "of 16 bits the upper {} are never used, which makes matches worse: widen the samples from {used} bits",
+                u16::BITS - used
+            ),
+            Self::FewLevels([least, most, all]) => write!(
+                f,
+                "all samples lie from {least} to {most}, of 0 to {all}, which makes matches worse: expose for longer, or \
+                 spread them over all"
+            ),
+            Self::Compressed => f.write_str(
+                "both images show the blocks of 8 x 8 pixels of a compression, which are matched at multiples of 8 \
+                 pixels: take pictures without, or of a better quality",
+            ),
+            Self::LeftBlurred(ratio) => blurred(f, "left", "right", ratio),
+            Self::RightBlurred(ratio) => blurred(f, "right", "left", ratio),
+            Self::UnequalBits([left, right]) => write!(
+                f,
+                "the samples of the left image use {left} bits, those of the right one {right}, which makes matches \
+                 worse: store both alike, over all bits"
+            ),
+        }
+    }
+}
+
+/// Doubts about a pair of images of one size, before anything is matched. It takes about as long as `fast`; of a camera
+/// that stays the same the first pair tells.
 pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
     let is_large = |image: &Image| {
         let (columns, rows) = image.size();
         columns.min(rows) >= SMALLEST
     };
-    let mut doubts = Vec::from_iter(few_levels(left, right).map(ImageDoubt::FewLevels));
+    let mut doubts = Vec::from_iter(few_bits(left, right).map(ImageDoubt::FewBits));
+    doubts.extend(few_levels(left, right).map(ImageDoubt::FewLevels));
     doubts.extend(unequal_bits(left, right).map(ImageDoubt::UnequalBits));
     if is_large(left) && is_large(right) {
         let details = [left, right].map(details);
@@ -63,8 +106,8 @@ pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
     doubts
 }
 
-/// How many of 16 bits the samples of a pair use, where they leave many unused. `None` where they do not,
-/// for samples of 8 bits, and for black images, of which there is nothing to tell.
+/// How many of 16 bits the samples of a pair use, where they leave many unused ([`ImageDoubt::FewBits`], told quickly).
+/// `None` where they do not, for samples of 8 bits, and for black images, of which there is nothing to tell.
 pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
     if left.depth() < u16::BITS || right.depth() < u16::BITS {
         return None;
@@ -142,6 +185,9 @@ mod tests {
         assert_eq!(few_bits(&deep(0x4000), &deep(3)), None);
         assert_eq!(few_bits(&deep(3), &deep(0x4000)), None);
         assert_eq!(few_bits(&deep(0), &deep(0)), None);
+        let [doubt] = image_doubts(&deep(0x0fff), &deep(3)).try_into().unwrap();
+        assert_eq!(doubt, ImageDoubt::FewBits(12));
+        assert!(doubt.to_string().ends_with("widen the samples from 12 bits"));
         let shallow = Image::Grey8(Plane::filled(2, 1, 3));
         assert_eq!(few_bits(&deep(3), &shallow), None);
         assert_eq!(few_bits(&shallow, &deep(3)), None);

@@ -4,6 +4,8 @@
 mod detail;
 mod images;
 
+use std::fmt;
+
 use raster::{BoundingBox, DisparityMap, DisparityRange, Reason};
 
 pub use images::{ImageDoubt, few_bits, image_doubts};
@@ -36,12 +38,45 @@ pub enum Doubt {
     Infinite(f64),
 }
 
+/// What it is, what it may come from, and what to do.
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let per_cent = |share: f64| 100.0 * share;
+        match *self {
+            Self::HardlyMatched(share) => write!(
+                f,
+                "only {:.1} % of the pixels are matched: the images may be exchanged or no rectified pair of one scene, \
+                 things may lie outside of the range of disparities, or have no texture",
+                per_cent(share)
+            ),
+            Self::Nearer(share) => write!(
+                f,
+                "{:.1} % of the matched pixels lie at the largest disparity: there may be nearer things that are missed, \
+                 so search further",
+                per_cent(share)
+            ),
+            Self::Farther(share) => write!(
+                f,
+                "{:.1} % of the matched pixels lie at the smallest disparity: there may be farther things that are \
+                 missed, so begin lower",
+                per_cent(share)
+            ),
+            Self::Infinite(share) => write!(
+                f,
+                "{:.1} % of the matched pixels lie at disparity 0, infinitely far: if nothing is, blocks of compression, \
+                 dust or vignetting were matched",
+                per_cent(share)
+            ),
+        }
+    }
+}
+
 /// Doubts about a matcher's answer in a box, all of which was answered, for disparities of a range. Where
 /// little matched, it is not asked where that lies.
 ///
 /// # Panics
 ///
-/// If the box leaves the map.
+/// If the box leaves the map, or the map's planes are not of one size.
 pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) -> Vec<Doubt> {
     let (columns, rows) = map.values.size();
     bounds.check_within(columns, rows).expect("the box lies in the map");
@@ -105,6 +140,8 @@ mod tests {
 
     #[test]
     fn few_matches_are_doubted_but_not_in_a_narrow_image() {
+        let words = Doubt::HardlyMatched(0.24).to_string();
+        assert!(words.starts_with("only 24.0 % of the pixels are matched: "), "{words}");
         assert_eq!(about(100, &[(24, 40.0)], (0, 40)), [Doubt::HardlyMatched(0.24)]);
         assert_eq!(about(100, &[(25, 20.0)], (0, 40)), []);
         assert_eq!(about(64, &[], (0, 40)), [Doubt::HardlyMatched(0.0)]);

@@ -2,7 +2,7 @@
 
 use std::path::{Display, Path};
 
-use matching::{Doubt, ImageDoubt, VerticalDisparity, few_bits, image_doubts};
+use matching::{Doubt, ImageDoubt, VerticalDisparity, image_doubts};
 use raster::{DisparityRange, Image};
 
 use super::Args;
@@ -14,20 +14,21 @@ pub fn of_images(
     bits: Option<u32>,
 ) -> Vec<String> {
     let (left, right) = (left.display(), right.display());
-    let unused = few_bits(of_left, of_right).filter(|_| bits.is_none()).map(|used| {
-        format!(
-            "{left} and {right}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
-             gives {used} bits, say --bits {used}",
-            u16::BITS - used,
-        )
-    });
     let less_sharp = |less: &Display<'_>, more: &Display<'_>, ratio: f64| {
         format!(
             "{more} has {ratio:.1} times as much fine detail as {less}: is one out of focus, moved, of another \
              resolution or noisier? Where edges are blurred in one image alone matches are off, and may be sure"
         )
     };
-    let others = image_doubts(of_left, of_right).into_iter().map(|doubt| match doubt {
+    // Who says how many bits there are knows.
+    let is_news = |doubt: &ImageDoubt| bits.is_none() || !matches!(doubt, ImageDoubt::FewBits(_));
+    let doubts = image_doubts(of_left, of_right).into_iter().filter(is_news);
+    let in_words = doubts.map(|doubt| match doubt {
+        ImageDoubt::FewBits(used) => format!(
+            "{left} and {right}: of 16 bits the upper {} are never used, which makes matches worse; if the camera \
+             gives {used} bits, say --bits {used}",
+            u16::BITS - used,
+        ),
         ImageDoubt::FewLevels([least, most, all]) => format!(
             "{left} and {right}: all samples lie from {least} to {most}, of 0 to {all}, which makes matches worse; expose \
              for longer, or spread them over all before"
@@ -43,7 +44,7 @@ pub fn of_images(
         ImageDoubt::LeftBlurred(ratio) => less_sharp(&left, &right, ratio),
         ImageDoubt::RightBlurred(ratio) => less_sharp(&right, &left, ratio),
     });
-    unused.into_iter().chain(others).collect()
+    in_words.collect()
 }
 
 /// How far the rows of a right image were off, and what that says of the cameras.
