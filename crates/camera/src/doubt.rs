@@ -16,11 +16,11 @@ pub fn widest(columns: usize) -> f32 {
     (2 * columns.max(64)) as f32
 }
 
-/// Says that disparities of a map, NaN where there is none, are larger than those of matches, if so, and what that
-/// usually comes from.
+/// Says that disparities of a map, NaN or infinite where there is none, are larger than those of matches, if so, and what
+/// that usually comes from.
 pub fn too_large(disparities: &Plane<f32>) -> Option<String> {
     let columns = disparities.columns();
-    let most = disparities.samples().iter().copied().fold(0.0, f32::max);
+    let most = disparities.samples().iter().copied().filter(|d| d.is_finite()).fold(0.0, f32::max);
     (most > widest(columns)).then(|| {
         format!(
             "disparities of up to {most} px in a map of {columns} columns: nothing is matched as far away; is it a map \
@@ -63,10 +63,10 @@ impl StereoCamera {
         })
     }
 
-    /// Says that most of a map's disparities, NaN where there is none, are of nothing in front of the cameras, if so, and
-    /// what that usually comes from.
+    /// Says that most of a map's disparities, NaN or infinite where there is none, are of nothing in front of the cameras,
+    /// if so, and what that usually comes from.
     pub fn doubt_of(&self, disparities: &Plane<f32>) -> Option<String> {
-        let known = disparities.samples().iter().filter(|d| !d.is_nan());
+        let known = disparities.samples().iter().filter(|d| d.is_finite());
         let all = known.clone().count();
         let mut behind = known.filter(|d| self.depth_in_32_bits(**d).is_none());
         let count = behind.clone().count();
@@ -131,6 +131,9 @@ mod tests {
             camera(1000.0, 0.2).doubt_of(&Plane::new(5, 1, values.to_vec()).unwrap())
         };
         assert_eq!(doubt([50.0, f32::NAN, 0.0, -3.0, 2.0]), None);
+        let none = f32::INFINITY;
+        assert_eq!(doubt([50.0, none, none, none, -none]), None);
+        assert_eq!(too_large(&Plane::new(2, 1, vec![3.0, none]).unwrap()), None);
         let some = doubt([50.0, f32::NAN, 0.0, -3.0, -2.0]).unwrap();
         assert!(some.starts_with("3 of 4 disparities") && some.contains("doffs"), "{some}");
         assert!(some.contains("depths of the others"), "{some}");

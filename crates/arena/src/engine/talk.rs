@@ -150,6 +150,12 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
                     {
                         Heard::Broken("a message is text in UTF-8, and this one is not".into())
                     }
+                    Line::Chatter if let Some(before) = text.and_then(before_message) => {
+                        Heard::Broken(format!(
+                            "a message is a line of its own, and `{}` stands before it: end what is printed with a newline",
+                            shortened(before)
+                        ))
+                    }
                     Line::Message(message) => Heard::Message(message),
                     Line::Broken(why) => Heard::Broken(why),
                     Line::Chatter => {
@@ -167,9 +173,42 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
     }
 }
 
+/// What stands in a line before a message: something was printed without a newline, and nobody would hear the message.
+fn before_message(line: &str) -> Option<&str> {
+    let begin = line.find("{\"hazcam\"")?;
+    matches!(parse_line(&line[begin..]), Line::Message(_)).then(|| &line[..begin])
+}
+
+/// The end of a text, for messages.
+fn shortened(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let count = text.chars().count();
+    match count > LONGEST {
+        true => ['…'].into_iter().chain(text.chars().skip(count - LONGEST)).collect(),
+        false => text.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_message_behind_something_else_is_not_waited_for() {
+        let heard = |line: &'static str| -> Vec<Heard> {
+            listen(line.as_bytes(), Log::default()).iter().collect()
+        };
+        let [Heard::Broken(why), Heard::Closed] =
+            &heard("progress 100%{\"hazcam\":\"done\",\"job\":1}\n")[..]
+        else {
+            panic!("it is broken")
+        };
+        assert!(why.contains("`progress 100%` stands before it"), "{why}");
+        // Who talks about messages says none.
+        for line in ["sent {\"hazcam\": ..\n", "got {\"hazcam\":1} back\n"] {
+            assert_eq!(heard(line), [Heard::Closed], "{line}");
+        }
+    }
 
     #[test]
     fn messages_and_chatter_go_their_ways() {

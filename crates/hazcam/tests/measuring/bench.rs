@@ -282,6 +282,37 @@ fn a_scene_that_cannot_be_read_is_left_out_and_told() {
 }
 
 #[test]
+fn half_a_pair_is_left_out_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let half = folder.path().join("data/walls/half");
+    fs::create_dir(&half).unwrap();
+    for file in ["im0.png", "disp0GT.pfm"] {
+        fs::copy(folder.path().join("data/walls/near").join(file), half.join(file)).unwrap();
+    }
+    fs::write(half.join("calib.txt"), "").unwrap();
+    let (stdout, stderr) = run(folder.path(), &["bench", "--data", "data", "-m", "fast"], 2);
+    assert!(stderr.contains("walls/half is left out: ") && stderr.contains("im1.png"), "{stderr}");
+    assert!(stdout.contains("walls/near"), "{stdout}");
+}
+
+#[test]
+fn truth_at_a_wrong_scale_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let truth = folder.path().join("data/walls/near/disp0GT.pfm");
+    let bench = ["bench", "--data", "data", "-m", "fast"];
+    assert!(!run(folder.path(), &bench, 0).1.contains("scale"));
+    formats::write_disparity(&truth, &Plane::filled(80, 40, 24f32)).unwrap();
+    let (_, stderr) = run(folder.path(), &bench, 0);
+    let told = "walls/near: most disparities of fast are bad, but would not be if they were multiplied by 4";
+    assert!(stderr.contains(told), "{stderr}");
+    formats::write_disparity(&truth, &Plane::filled(80, 40, 6f32 / 256.0)).unwrap();
+    let (_, stderr) = run(folder.path(), &bench, 0);
+    assert!(stderr.contains("walls/near: no true disparity is larger than 1"), "{stderr}");
+}
+
+#[test]
 fn stress_scenes_need_no_data() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["bench", "--stress", "--scenes", "stress/1-columns", "--matcher", "fast"];

@@ -45,10 +45,14 @@ fn of_year(folder: &Folder, year: &Year, (left, right): (&str, &str), are_both: 
     let own = |of: &&Year| !are_both || of.name == year.name;
     let frames = images.files.iter().filter(|name| name.ends_with("_10.png"));
     frames
-        .filter(|frame| folder.path.join(right).join(frame).is_file())
-        .map(|frame| {
+        .filter_map(|frame| {
             let occ = YEARS.iter().filter(own).find_map(|of| truth(of.truths.0, frame));
             let noc = YEARS.iter().filter(own).find_map(|of| truth(of.truths.1, frame));
+            // Where the right image of a frame with truth is not there loading it tells so.
+            let is_scene = || folder.path.join(right).join(frame).is_file();
+            if occ.is_none() && noc.is_none() && !is_scene() {
+                return None;
+            }
             let files = Files {
                 left: folder.path.join(left).join(frame),
                 right: folder.path.join(right).join(frame),
@@ -63,7 +67,7 @@ fn of_year(folder: &Folder, year: &Year, (left, right): (&str, &str), are_both: 
             };
             let scene =
                 if are_both { format!("{}/{number}", year.name) } else { number.to_owned() };
-            Case::new(folder.id(Some(&scene)), purpose, files)
+            Some(Case::new(folder.id(Some(&scene)), purpose, files))
         })
         .collect()
 }

@@ -20,9 +20,11 @@ fn beside(folder: &Folder) -> Option<PathBuf> {
 
 /// The scene that a folder is, if it is one.
 pub(super) fn cases(folder: &Folder) -> Vec<Case> {
-    let (Some(left), Some(right)) = (folder.file("im0.png"), folder.file("im1.png")) else {
-        return Vec::new();
-    };
+    let Some(left) = folder.file("im0.png") else { return Vec::new() };
+    // Where it is not there, with the calibration of a pair, loading it tells so.
+    let right = folder.file("im1.png");
+    let right = right.or_else(|| folder.has("calib.txt").then(|| folder.path.join("im1.png")));
+    let Some(right) = right else { return Vec::new() };
     let beside = beside(folder);
     let file = |name: &str| {
         let other = || Some(beside.as_ref()?.join(name)).filter(|path| path.is_file());

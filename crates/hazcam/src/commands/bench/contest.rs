@@ -16,6 +16,7 @@ use matching::Level;
 use super::engines::EngineArguments;
 use super::limits::Limits;
 use super::output::Output;
+use super::scales::Scales;
 use crate::cli;
 use crate::ui::Ui;
 
@@ -127,6 +128,7 @@ pub fn tell_absent(absent: Vec<(String, String)>, ui: &Ui) {
 }
 
 fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome> {
+    let mut scales = Scales::default();
     let bar = ui.progress((plan.cases.len() * plan.engines.len()) as u64);
     let mut failure = None;
     let mut absent: Vec<(String, String)> = Vec::new();
@@ -145,6 +147,7 @@ fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome>
             }
             Event::Finished { case, data, record, answer } => {
                 bar.inc(1);
+                scales.look_at(case, data, record, answer);
                 if let Err(error) = output.keep(case, data, record, answer) {
                     failure = Some(error);
                     return ControlFlow::Break(());
@@ -155,6 +158,7 @@ fn conduct(plan: &Plan, output: &mut Output, ui: &Ui) -> anyhow::Result<Outcome>
     })?;
     bar.finish_and_clear();
     tell_absent(absent, ui);
+    scales.told().iter().for_each(|line| ui.warn(printable(line)));
     match failure {
         Some(error) => Err(error),
         None => Ok(outcome),

@@ -13,6 +13,7 @@ pub mod limits;
 pub mod output;
 pub mod pictures;
 pub mod rendered;
+mod scales;
 pub mod scenes;
 pub mod speed;
 pub mod tables;
