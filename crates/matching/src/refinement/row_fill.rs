@@ -105,11 +105,7 @@ impl Filling {
         row.reasons[gap.clone()].fill(Reason::MismatchedFilled);
         let one_surface = before.abs_diff(after) <= self.same_surface;
         if one_surface && before != HOLE && after != HOLE {
-            let (from, change) = (i64::from(before), i64::from(after) - i64::from(before));
-            let steps = gap.len() as i64 + 1;
-            for (i, disparity) in (1..).zip(&mut row.disparities[gap]) {
-                *disparity = (from + change * i / steps) as u16;
-            }
+            continue_surface([before, after], &mut row.disparities[gap]);
             return;
         }
         let background = before.min(after);
@@ -131,6 +127,21 @@ impl Filling {
         let beyond = place((self.width as f32 - 0.5 + value).floor() + 1.0).clamp(inside, gap.end);
         reasons[gap.start..inside].fill(Reason::OutsideRightFilled);
         reasons[beyond..gap.end].fill(Reason::OutsideRightFilled);
+    }
+}
+
+/// Fills a gap with what lies in equal steps between its neighbours, each cut off towards the one before it: what is left
+/// of a step is added up, because divisions take long.
+fn continue_surface([before, after]: [u16; 2], gap: &mut [u16]) {
+    let (steps, change) = (gap.len() + 1, usize::from(before.abs_diff(after)));
+    let (step, left) = ((change / steps) as u16, change % steps);
+    let (mut off, mut over) = (0, 0);
+    for disparity in gap {
+        (off, over) = (off + step, over + left);
+        if over >= steps {
+            (off, over) = (off + 1, over - steps);
+        }
+        *disparity = if after < before { before - off } else { before + off };
     }
 }
 
@@ -226,6 +237,20 @@ mod tests {
         let (values, reasons) = between(20, &[(0, &[5, 5]), (5, &[7, 7, 7, 7, 7, 7, 7])]);
         assert_eq!(values[2..5], [5.5, 6.0, 6.5]);
         assert_eq!(reasons[2..5], [MismatchedFilled; 3]);
+    }
+
+    #[test]
+    fn equal_steps_are_those_of_a_division() {
+        for (before, after) in [(100, 117), (117, 100), (9, 9), (0, 65534), (65534, 3)] {
+            for length in (1..40).chain([1000, 70_000]) {
+                let mut gap = vec![0; length];
+                continue_surface([before, after], &mut gap);
+                let (from, change) = (i64::from(before), i64::from(after) - i64::from(before));
+                let expected =
+                    (1..=length as i64).map(|i| (from + change * i / (length as i64 + 1)) as u16);
+                assert!(gap.into_iter().eq(expected), "{before} to {after} over {length}");
+            }
+        }
     }
 
     #[test]
