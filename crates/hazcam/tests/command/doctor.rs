@@ -30,6 +30,23 @@ fn a_level_that_the_processor_lacks_is_wrong() {
 }
 
 #[test]
+fn threads_that_were_asked_for_are_told() {
+    let folder = Folder::new();
+    let doctor = |threads: &str| {
+        let mut command = folder.command();
+        let output = command.arg("doctor").env("HAZCAM_THREADS", threads).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap())
+    };
+    let (status, text) = doctor("3");
+    assert!(
+        status == Some(0) && text.contains("`match` uses 3 threads (HAZCAM_THREADS)"),
+        "{text}"
+    );
+    let (status, text) = doctor("many");
+    assert!(status == Some(2) && text.contains("HAZCAM_THREADS is `many`: "), "{text}");
+}
+
+#[test]
 fn without_python_it_says_what_for() {
     let folder = Folder::new();
     let output =

@@ -17,9 +17,10 @@ use crate::ui::Ui;
 Everything but the self-match is optional: what is absent is told together with what it is for.
 
 Environment:
-  HAZCAM_CPU     vector instructions to use instead of the best
-  HAZCAM_DATA    folder with stereo data sets
-  HAZCAM_PYTHON  Python to look for numpy, scipy and OpenCV in
+  HAZCAM_CPU      vector instructions to use instead of the best
+  HAZCAM_DATA     folder with stereo data sets
+  HAZCAM_PYTHON   Python to look for numpy, scipy and OpenCV in
+  HAZCAM_THREADS  threads that match uses
 
 Exit status: 0 the self-match is right, 2 it is not.")]
 pub struct Args {

@@ -7,6 +7,7 @@ use std::thread;
 use matching::Level;
 
 use super::Finding;
+use crate::arguments;
 
 /// Processor, memory and sandbox.
 pub fn look() -> Vec<Finding> {
@@ -23,11 +24,20 @@ fn vector_instructions() -> Finding {
     }
 }
 
-/// How many threads run at the same time.
+/// How many threads run at the same time, and how many `match` is told to use.
 fn cores() -> Finding {
+    let told = std::env::var("HAZCAM_THREADS").ok().filter(|told| !told.is_empty());
+    let used = match told.as_deref().map(|told| (told, arguments::threads(told))) {
+        Some((told, Err(why))) => {
+            let problem = format!("HAZCAM_THREADS is `{told}`: {why}, or unset it");
+            return Finding::wrong("cores", problem);
+        }
+        Some((_, Ok(threads))) => format!("; `match` uses {threads} threads (HAZCAM_THREADS)"),
+        None => String::new(),
+    };
     match thread::available_parallelism() {
-        Ok(count) => Finding::ok("cores", count.to_string()),
-        Err(error) => Finding::absent("cores", format!("the system does not say: {error}")),
+        Ok(count) => Finding::ok("cores", format!("{count}{used}")),
+        Err(error) => Finding::absent("cores", format!("the system does not say: {error}{used}")),
     }
 }
 
