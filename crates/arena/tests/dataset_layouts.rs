@@ -224,6 +224,27 @@ fn kitti_2015_says_when_its_truth_is_non_occluded_only() {
 }
 
 #[test]
+fn frames_of_kitti_without_their_right_image_are_named_when_they_are_loaded() {
+    let root = tempfile::tempdir().unwrap();
+    let at = |path: &str| root.path().join("kitti2015/training").join(path);
+    for frame in ["000000_10.png", "000001_10.png"] {
+        grey8(&at("image_2").join(frame), 9);
+        grey16(&at("disp_occ_0").join(frame), 1024);
+    }
+    grey8(&at("image_2/000002_10.png"), 9);
+    for some in [false, true] {
+        if some {
+            grey8(&at("image_3/000000_10.png"), 9);
+        }
+        let cases = dataset::open(root.path()).unwrap();
+        assert_eq!(cases.len(), 2, "one of the three has neither a right image nor truth");
+        assert_eq!(case(&cases, "kitti2015/000000").load().is_ok(), some);
+        let error = case(&cases, "kitti2015/000001").load().unwrap_err().to_string();
+        assert!(error.contains("image_3/000001_10.png"), "{error}");
+    }
+}
+
+#[test]
 fn what_the_course_measures_with_is_a_test_in_the_data_sets_that_it_comes_from() {
     let root = tempfile::tempdir().unwrap();
     let frame = |folder: &str, sides: [&str; 2], frame: &str| {

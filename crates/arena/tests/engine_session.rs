@@ -215,6 +215,20 @@ fn breaking_the_protocol_is_named() {
 }
 
 #[test]
+fn a_message_behind_something_else_is_named_and_one_that_is_logged_is_not() {
+    let done = r#"{"hazcam":"done","job":1}"#;
+    let status =
+        first_job(&format!("read job; printf '100 percent'; echo '{done}'; read end"), limits());
+    let message = status.message().unwrap_or_default();
+    assert!(message.contains("`100 percent` stands before one"), "{status}");
+    let logged = format!("read job; echo 'sending {done}'; sleep 0.1; echo '{done}'; read end");
+    assert_eq!(first_job(&logged, limits()), Status::Done);
+    let ready = r#"{"hazcam":"ready","protocol":1}"#;
+    let status = started(&format!("printf 'loading..'; echo '{ready}'; read end"), limits());
+    assert!(status.to_string().contains("`loading..` stands before one"), "{status}");
+}
+
+#[test]
 fn garbage_and_floods_do_no_harm() {
     let flood = r#"read line; head -c 3000000 /dev/zero | tr '\0' 'x'; head -c 300000 /dev/urandom;
         echo; echo '{ not json'; echo '{"hazcam":"done","job":1}'; sleep 600"#;

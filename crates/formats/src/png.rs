@@ -144,11 +144,13 @@ fn explain(source: &Source, error: DecodingError) -> FormatError {
     }
 }
 
-/// What the decoder says; of a checksum it prints the chunk's fields.
+/// What the decoder says; of bytes that were changed it tells what it was about to do with them.
 fn in_words(error: &DecodingError) -> String {
     let text = error.to_string();
-    match text.starts_with("CRC error") {
-        true => "a checksum does not agree, so bytes were changed: copy the file again".into(),
+    match text.starts_with("CRC error") || text.starts_with("Corrupt deflate stream") {
+        true => {
+            "its bytes were changed, as checksums or packed data tell: copy the file again".into()
+        }
         false => text,
     }
 }

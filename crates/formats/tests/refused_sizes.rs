@@ -37,6 +37,21 @@ fn a_png_of_100000_by_100000_is_refused_by_name_size_and_limit() {
 }
 
 #[test]
+fn a_png_whose_bytes_were_changed_is_told_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("changed.png");
+    let picture = Plane::from_fn(64, 64, |x, y| [(x * y) as u8, (x ^ y) as u8, (7 * x + y) as u8]);
+    let whole = formats::picture::png_rgb(&picture).unwrap();
+    for place in [24, 300] {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 0x55;
+        fs::write(&path, bytes).unwrap();
+        let error = read_image(&path).unwrap_err().to_string();
+        assert!(error.contains("its bytes were changed"), "byte {place}: {error}");
+    }
+}
+
+#[test]
 fn a_png_that_is_shorter_than_any_picture_of_its_size_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("short.png");

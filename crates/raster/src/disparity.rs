@@ -130,10 +130,17 @@ impl DisparityMap {
 
     /// The values that are at least so sure, NaN where none is: what depth is to be made of. With 0.1 all guesses are left
     /// out, see [`DisparityMap::MOST_OF_A_GUESS`].
+    ///
+    /// # Panics
+    ///
+    /// If the two planes differ in size.
     pub fn surer_than(&self, min_confidence: f32) -> Plane<f32> {
+        assert_eq!(self.values.size(), self.confidence.size(), "planes of a map are of one size");
         let mut values = self.values.clone();
         for (value, &confidence) in values.samples_mut().iter_mut().zip(self.confidence.samples()) {
-            if confidence < min_confidence {
+            // Nothing is known of a confidence that is no number.
+            let is_sure = confidence >= min_confidence;
+            if !is_sure {
                 *value = f32::NAN;
             }
         }

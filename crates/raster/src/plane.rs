@@ -216,9 +216,8 @@ impl<T: Clone> Plane<T> {
         (self.columns, self.rows) = (view.columns, view.rows);
         self.samples.clear();
         self.samples.reserve_exact(area(view.columns, view.rows));
-        for y in 0..view.rows {
-            self.samples.extend_from_slice(view.row(y));
-        }
+        let rows = if view.columns == 0 { 0 } else { view.rows };
+        (0..rows).for_each(|y| self.samples.extend_from_slice(view.row(y)));
     }
 
     /// Writes the same `value` everywhere outside a box, which lies in the plane.
@@ -274,8 +273,8 @@ impl<'a, T> View<'a, T> {
         stride: usize,
     ) -> Result<Self, StrideError> {
         let error = StrideError { columns, rows, stride, samples: samples.len() };
-        let needed = match rows {
-            0 => Some(0),
+        let needed = match (rows, columns) {
+            (0, _) | (_, 0) => Some(0),
             _ => stride.checked_mul(rows - 1).and_then(|last| last.checked_add(columns)),
         };
         match needed {
@@ -398,6 +397,8 @@ mod tests {
             assert_eq!(error, StrideError { columns, rows, stride, samples: 7 });
         }
         assert_eq!(View::new(&buffer, 7, 0, 7).unwrap().to_plane().size(), (7, 0));
+        let none = View::new(&buffer[..0], 0, usize::MAX, 0).unwrap();
+        assert_eq!(none.to_plane().size(), (0, usize::MAX));
     }
 
     #[test]

@@ -27,7 +27,7 @@ def inspect(folder):
     for name in MODULES:
         path = os.path.join(folder, name + ".py")
         if os.path.isfile(path):
-            findings += [_finding(name, *each) for each in _look(path, name)]
+            findings += [_finding(name, *each) for each in _look(folder, path, name)]
     for path in _others(folder):
         findings += [_finding(path[: -len(".py")], *each) for each in _look_beside(folder, path)]
     identifier = None
@@ -66,14 +66,14 @@ def _look_beside(folder, path):
     except (MemoryError, RecursionError):
         pass  # Whoever imports it hears of it.
     else:
-        yield from _advice(tree)
+        yield from _advice(tree, folder)
 
 
 def _no_source(error):
     return "it is no Python source: {}; save it as UTF-8".format(error)
 
 
-def _look(path, name):
+def _look(folder, path, name):
     """(line, text, fatal) for what is wrong in one module."""
     with open(path, "rb") as file:
         source = file.read()
@@ -98,11 +98,11 @@ def _look(path, name):
         yield None, text.format(type(error).__name__), True
         return
     yield from _signature(tree, name)
-    yield from _advice(tree)
+    yield from _advice(tree, folder)
 
 
-def _advice(tree):
-    advice = [*_stand_ins(tree), *_matchers(tree), *_older_names(tree), *_small_types(tree)]
+def _advice(tree, folder):
+    advice = [*_stand_ins(tree), *_matchers(tree, folder), *_older_names(tree), *_small_types(tree)]
     return sorted(advice, key=lambda each: each[0])
 
 
@@ -173,10 +173,11 @@ def _stand_ins(tree):
             yield line, text, False
 
 
-def _matchers(tree):
+def _matchers(tree, folder):
     for line, name in _imports(tree):
-        if name in MATCHERS:
-            text = "{} brings matchers ({}): those are not its author's work".format(
+        own = os.path.join(folder, name)
+        if name in MATCHERS and not os.path.isdir(own) and not os.path.isfile(own + ".py"):
+            text = "{} brings matchers ({}): they would not be its author's work".format(
                 name, MATCHERS[name]
             )
             yield line, text, False

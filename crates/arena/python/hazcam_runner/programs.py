@@ -3,6 +3,10 @@
 Whoever replaces itself by a matcher that happens to be installed hands in somebody else's work. The sandbox cannot
 forbid it before Python has started, for it is by `execve` that Python starts; so the runner forbids it to itself, with
 one more layer of Landlock, before it reads any file of the submission.
+
+Code that may be read may still be loaded (`ctypes`, `mmap`): what is installed where it may be read is in reach. Files
+without a name, which Landlock does not look at, cannot be made or executed: the sandbox refuses `memfd_create`, and
+`execveat` is not on its list.
 """
 
 import ctypes

@@ -54,7 +54,7 @@ pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
         standing.bonus = BONUS.get(before).copied().unwrap_or(0.0);
         standing.total += standing.bonus;
     }
-    // Whose scores are the same stand side by side, but for baselines.
+    // Whose scores are the same stand side by side, but for baselines: each is told of the next one.
     let competing = |at: &usize| standings[*at].place.is_some();
     let competing: Vec<usize> = (0..standings.len()).filter(competing).collect();
     for pair in competing.windows(2) {

@@ -165,13 +165,18 @@ impl Session {
 
     fn exchange(&mut self, job: &Job, meter: &mut Meter) -> Result<Status, Status> {
         self.claimed_seconds = None;
-        match self.heard.try_recv() {
-            Err(TryRecvError::Empty) => {}
-            Ok(Heard::Message(_) | Heard::Broken(_)) => {
-                let message = "it sent a message before it was asked for anything".into();
-                return Err(Status::ProtocolError { message });
+        loop {
+            match self.heard.try_recv() {
+                Ok(Heard::Behind(_)) => {}
+                Err(TryRecvError::Empty) => break,
+                Ok(Heard::Message(_) | Heard::Broken(_)) => {
+                    let message = "it sent a message before it was asked for anything".into();
+                    return Err(Status::ProtocolError { message });
+                }
+                Ok(Heard::Closed) | Err(TryRecvError::Disconnected) => {
+                    return Err(self.crashed(meter));
+                }
             }
-            Ok(Heard::Closed) | Err(TryRecvError::Disconnected) => return Err(self.crashed(meter)),
         }
         self.send(&ToEngine::Job(job.clone()), meter)?;
         let message = self.wait_for_message(meter, self.limits.wall, self.limits.cpu)?;
@@ -225,7 +230,7 @@ impl Session {
         wall: Duration,
         cpu: Option<Duration>,
     ) -> Result<FromEngine, Status> {
-        let mut last_look = false;
+        let (mut last_look, mut behind) = (false, None);
         loop {
             match self.heard.recv_timeout(if last_look { PATIENCE } else { POLL }) {
                 Ok(Heard::Message(message)) => return Ok(message),
@@ -233,6 +238,7 @@ impl Session {
                     let message = format!("it sent a message that cannot be understood: {why}");
                     return Err(Status::ProtocolError { message });
                 }
+                Ok(Heard::Behind(before)) => behind = Some(before),
                 Ok(Heard::Closed) | Err(RecvTimeoutError::Disconnected) => {
                     return Err(self.crashed(meter));
                 }
@@ -247,6 +253,15 @@ impl Session {
                 past_limit.or_else(|| Status::idle(meter.idle(), self.limits.idle))
             {
                 return Err(status);
+            }
+            // Who logs messages goes on; who meant one waits for the next job.
+            if let Some(before) = behind.as_ref().filter(|_| meter.idle() > Some(PATIENCE)) {
+                return Err(Status::ProtocolError {
+                    message: format!(
+                        "a message is a line of its own, but `{before}` stands before one, and none came after it: end \
+                         what is printed with a newline"
+                    ),
+                });
             }
             if self.deaf.load(Ordering::Relaxed) {
                 return Err(self.crashed(meter));

@@ -26,6 +26,9 @@ pub(crate) enum Heard {
     Message(FromEngine),
     /// A message that cannot be understood; the text says why.
     Broken(String),
+    /// A line that is talk, with a message at its end and this before it: either somebody logs messages, or printed
+    /// something without a newline, and waits now.
+    Behind(String),
     /// Standard output was closed.
     Closed,
 }
@@ -151,10 +154,8 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
                         Heard::Broken("a message is text in UTF-8, and this one is not".into())
                     }
                     Line::Chatter if let Some(before) = text.and_then(before_message) => {
-                        Heard::Broken(format!(
-                            "a message is a line of its own, and `{}` stands before it: end what is printed with a newline",
-                            shortened(before)
-                        ))
+                        log.push(Stream::Output, &line);
+                        Heard::Behind(shortened(before))
                     }
                     Line::Message(message) => Heard::Message(message),
                     Line::Broken(why) => Heard::Broken(why),
@@ -173,9 +174,9 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
     }
 }
 
-/// What stands in a line before a message: something was printed without a newline, and nobody would hear the message.
+/// What stands in a line before a message at its end.
 fn before_message(line: &str) -> Option<&str> {
-    let begin = line.find("{\"hazcam\"")?;
+    let begin = line.rfind("{\"hazcam\"")?;
     matches!(parse_line(&line[begin..]), Line::Message(_)).then(|| &line[..begin])
 }
 
@@ -194,17 +195,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_behind_something_else_is_not_waited_for() {
+    fn a_message_behind_something_else_is_told_apart() {
         let heard = |line: &'static str| -> Vec<Heard> {
             listen(line.as_bytes(), Log::default()).iter().collect()
         };
-        let [Heard::Broken(why), Heard::Closed] =
-            &heard("progress 100%{\"hazcam\":\"done\",\"job\":1}\n")[..]
-        else {
-            panic!("it is broken")
-        };
-        assert!(why.contains("`progress 100%` stands before it"), "{why}");
-        // Who talks about messages says none.
+        for (line, before) in [
+            ("progress 100%{\"hazcam\":\"done\",\"job\":1}\n", "progress 100%"),
+            ("x {\"hazcam\" y{\"hazcam\":\"done\",\"job\":1}\n", "x {\"hazcam\" y"),
+        ] {
+            assert_eq!(heard(line), [Heard::Behind(before.into()), Heard::Closed]);
+        }
         for line in ["sent {\"hazcam\": ..\n", "got {\"hazcam\":1} back\n"] {
             assert_eq!(heard(line), [Heard::Closed], "{line}");
         }

@@ -188,6 +188,7 @@ const REFUSED: &[c_long] = &[
     libc::SYS_fchownat,
     libc::SYS_linkat,
     libc::SYS_listen,
+    // By it a program could be made that no folder holds, and executed in spite of Landlock.
     libc::SYS_memfd_create,
     libc::SYS_mknodat,
     libc::SYS_mount,

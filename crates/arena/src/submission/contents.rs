@@ -203,7 +203,7 @@ pub(super) fn digest(root: &Path) -> io::Result<String> {
 /// submission was packed with its folder. Of several that hold as many it is nobody's to choose one.
 pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, SubmissionError> {
     let mut level = vec![staging.to_owned()];
-    let (mut python_files, mut packed) = (Vec::new(), None);
+    let (mut python_files, mut packed) = (Vec::new(), Vec::new());
     while !level.is_empty() {
         let holding = |folder: &PathBuf| FILES.iter().filter(|f| folder.join(f).is_file()).count();
         // Of folders at the same depth the one that holds most.
@@ -229,9 +229,11 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
                     below.push(path);
                 } else if path.extension().is_some_and(|e| e == "py" || e == "ipynb") {
                     python_files.push(entry.file_name().to_string_lossy().into_owned());
-                } else if path.extension().is_some_and(|e| PACKED.iter().any(|packed| e == *packed))
+                } else if path
+                    .extension()
+                    .is_some_and(|e| PACKED.iter().any(|end| e.eq_ignore_ascii_case(end)))
                 {
-                    packed = Some(shortened(&entry.file_name().to_string_lossy()));
+                    packed.push(shortened(&entry.file_name().to_string_lossy()));
                 }
             }
         }
@@ -240,7 +242,7 @@ pub(super) fn find_root(path: &Path, staging: &Path) -> Result<PathBuf, Submissi
     python_files.sort();
     python_files.truncate(6);
     let hint = match python_files.is_empty() {
-        true if let Some(packed) = packed => {
+        true if let Some(packed) = packed.iter().min() => {
             format!(", but `{packed}`: unpack that, and hand in what is in it")
         }
         true => ", and no Python file at all".to_owned(),
@@ -268,70 +270,6 @@ pub(super) fn left_out(staging: &Path, root: &Path) -> Option<Finding> {
     Some(Finding { file: shortened(&other), line: None, text, fatal: false })
 }
 
-/// Bytes of a file that holds more than a page of text or a few numbers, and of a source that nobody wrote by hand.
-const LARGE: u64 = 20_000;
-const LARGE_SOURCE: u64 = 200_000;
-
-/// A finding for what may do more than the source tells: compiled code, which could be somebody else's matcher, and
-/// files of a size that truth would take.
-pub(super) fn unreadable(root: &Path) -> Option<Finding> {
-    let mut found = Vec::new();
-    let mut left = vec![root.to_owned()];
-    while let Some(path) = left.pop() {
-        if path.is_dir() {
-            left.extend(fs::read_dir(&path).into_iter().flatten().flatten().map(|e| e.path()));
-            continue;
-        }
-        let bytes = path.metadata().map_or(0, |found| found.len());
-        let is_source = path.extension().is_some_and(|end| end == "py" || end == "ipynb");
-        let kind = match is_compiled(&path) {
-            true => " of compiled code",
-            false if bytes >= if is_source { LARGE_SOURCE } else { LARGE } => "",
-            false => continue,
-        };
-        let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
-        found.push((bytes, name, kind));
-    }
-    // The largest first; of the same size by name, since folders are listed in any order.
-    found.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
-    let (_, first, _) = found.first()?;
-    let told: Vec<String> = (found.iter().take(SHOWN))
-        .map(|(bytes, name, kind)| {
-            format!("{} ({} KB{kind})", shortened(name), bytes.div_ceil(1000))
-        })
-        .collect();
-    let more = match found.len().saturating_sub(SHOWN) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let text = format!(
-        "what the source does not tell comes with it: {}{more}; whoever grades should know what it is for. A matcher \
-         may bring what it has learned, but no truth of a test and no matcher that somebody else made",
-        told.join(", ")
-    );
-    Some(Finding { file: shortened(first), line: None, text, fatal: false })
-}
-
-/// Files that [`unreadable`] names.
-const SHOWN: usize = 5;
-
-/// Whether a file begins as programs and libraries do on Linux, Windows or macOS, or as Python's byte code is called.
-fn is_compiled(path: &Path) -> bool {
-    const BEGINNINGS: [&[u8]; 6] = [
-        b"\x7fELF",
-        b"MZ",
-        b"\xca\xfe\xba\xbe",
-        b"\xcf\xfa\xed\xfe",
-        b"\xce\xfa\xed\xfe",
-        b"!<arch>\n",
-    ];
-    let mut beginning = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(8).read_to_end(&mut beginning));
-    let is_text = path.extension().is_some_and(|end| end == "py" || end == "txt" || end == "md");
-    let called_so = path.extension().is_some_and(|end| end == "pyc" || end == "pyd" || end == "so");
-    called_so || (read.is_ok() && !is_text && BEGINNINGS.iter().any(|b| beginning.starts_with(b)))
-}
-
 /// A finding for files of Python, none of them the course's, that lie outside of the folder that was chosen.
 fn beside(staging: &Path, root: &Path) -> Option<Finding> {
     if staging == root {
@@ -342,7 +280,9 @@ fn beside(staging: &Path, root: &Path) -> Option<Finding> {
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
             let path = entry.path();
-            if path.is_dir() && path != root {
+            if path == root {
+                continue;
+            } else if path.is_dir() {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "py") {
                 let name = path.strip_prefix(staging).unwrap_or(&path);
@@ -358,10 +298,74 @@ fn beside(staging: &Path, root: &Path) -> Option<Finding> {
         others => format!("it and {others} more of Python lie"),
     };
     let text = format!(
-        "{lie} outside of `{}`, whose files are graded, and out of their reach: put all into one folder",
+        "{lie} outside of `{}`, whose files are graded, and out of their reach: if they need it, put all into one folder",
         shortened(&chosen)
     );
     Some(Finding { file, line: None, text, fatal: false })
+}
+
+/// Bytes of files that together hold more than a few pages of text or a few numbers, and of sources that nobody wrote by
+/// hand.
+const LARGE: u64 = 20_000;
+const LARGE_SOURCE: u64 = 200_000;
+/// Files that [`besides_its_source`] names.
+const SHOWN: usize = 5;
+
+/// A finding for what may do more than the source tells: compiled code, which could be somebody else's matcher, and data,
+/// which could be the truth.
+pub(super) fn besides_its_source(root: &Path) -> Option<Finding> {
+    let (mut sources, mut others, mut any_compiled) = (Vec::new(), Vec::new(), false);
+    let mut left = vec![root.to_owned()];
+    while let Some(path) = left.pop() {
+        if path.is_dir() {
+            left.extend(fs::read_dir(&path).into_iter().flatten().flatten().map(|e| e.path()));
+            continue;
+        }
+        let bytes = path.metadata().map_or(0, |found| found.len());
+        let name = shortened(&path.strip_prefix(root).unwrap_or(&path).display().to_string());
+        let is_compiled = is_compiled(&path);
+        any_compiled |= is_compiled;
+        let kind = if is_compiled { " of compiled code" } else { "" };
+        let is_source = !is_compiled && path.extension().is_some_and(|end| end == "py");
+        (if is_source { &mut sources } else { &mut others }).push((bytes, name, kind));
+    }
+    let sum = |files: &[(u64, String, &str)]| files.iter().map(|(bytes, ..)| bytes).sum::<u64>();
+    if sum(&sources) < LARGE_SOURCE {
+        sources.clear();
+    }
+    if !any_compiled && sum(&others) < LARGE {
+        others.clear();
+    }
+    let mut found = [sources, others].concat();
+    // The largest first; of the same size by name, since folders are listed in any order.
+    found.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    let file = found.first()?.1.clone();
+    let told: Vec<String> = (found.iter().take(SHOWN))
+        .map(|(bytes, name, kind)| format!("{name} ({} KB{kind})", bytes.div_ceil(1000)))
+        .collect();
+    let more = match found.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let text = format!(
+        "much comes with it that nobody reads: {}{more}; whoever grades may ask what for",
+        told.join(", ")
+    );
+    Some(Finding { file, line: None, text, fatal: false })
+}
+
+/// Whether a file begins as programs and libraries do on Linux, Windows or macOS, or is called as Python's byte code is.
+fn is_compiled(path: &Path) -> bool {
+    const BEGINNINGS: [&[u8]; 5] =
+        [b"\x7fELF", b"\xca\xfe\xba\xbe", b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe", b"!<arch>\n"];
+    let mut beginning = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(64).read_to_end(&mut beginning));
+    let ends_in =
+        |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end == *e));
+    // A text may begin with the letters of Windows.
+    let is_of_windows = beginning.starts_with(b"MZ") && beginning.contains(&0);
+    ends_in(&["pyc", "pyd", "so", "dll", "dylib"])
+        || read.is_ok() && (is_of_windows || BEGINNINGS.iter().any(|b| beginning.starts_with(b)))
 }
 
 /// What a notebook's name ends with, and what is to be done with it.

@@ -82,7 +82,7 @@ impl Submission {
         let root = contents::find_root(path, staging)?;
         let mut findings = contents::missing_files(&root);
         findings.extend(contents::left_out(staging, &root));
-        findings.extend(contents::unreadable(&root));
+        findings.extend(contents::besides_its_source(&root));
         Ok(Self { root, findings })
     }
 
@@ -155,15 +155,17 @@ mod tests {
     }
 
     #[test]
-    fn an_archive_in_an_archive_is_named() {
+    fn an_archive_in_a_submission_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("handin.zip"), "PK").unwrap();
-        fs::create_dir(folder.path().join("staging")).unwrap();
-        let handin = folder.path().join("outer");
-        fs::create_dir(&handin).unwrap();
-        fs::copy(folder.path().join("handin.zip"), handin.join("handin.zip")).unwrap();
-        let error = Submission::open(&handin, &folder.path().join("staging")).unwrap_err();
-        assert!(error.to_string().contains("`handin.zip`: unpack that"), "{error}");
+        let (handin, staging) = (folder.path().join("handin"), folder.path().join("staging"));
+        for made in [&handin, &staging] {
+            fs::create_dir(made).unwrap();
+        }
+        for name in ["HANDIN.ZIP", "data.tar"] {
+            fs::write(handin.join(name), "PK").unwrap();
+        }
+        let error = Submission::open(&handin, &staging).unwrap_err();
+        assert!(error.to_string().contains("`HANDIN.ZIP`: unpack that"), "{error}");
     }
 
     #[test]
@@ -184,17 +186,21 @@ mod tests {
         let long = vec![b'#'; 150_000];
         assert_eq!(with(&[("notes.txt", b"MZ: my zebra"), ("lib/tables.py", &long)]), []);
         let table = vec![0; 25_001];
-        let [finding] = with(&[("lib/fast.dat", b"\x7fELF\x02\x01\x01"), ("a.npy", &table)])
-            .try_into()
-            .unwrap();
-        assert_eq!((&finding.file[..], finding.fatal), ("a.npy", false));
-        let told = "a.npy (26 KB), lib/fast.dat (1 KB of compiled code); whoever";
-        assert!(finding.text.contains(told), "{finding}");
+        for name in ["lib/fast.dat", "lib/fast.txt", "lib/fast.py"] {
+            let [finding] =
+                with(&[(name, b"\x7fELF\x02\x01\x01"), ("a.npy", &table)]).try_into().unwrap();
+            assert_eq!((&finding.file[..], finding.fatal), ("a.npy", false));
+            let told = format!("a.npy (26 KB), {name} (1 KB of compiled code); whoever");
+            assert!(finding.text.contains(&told), "{finding}");
+        }
         let many: Vec<String> = (0..7).map(|number| format!("{number}.pyc")).collect();
         let many: Vec<(&str, &[u8])> = many.iter().map(|name| (&name[..], &b"x"[..])).collect();
         assert!(with(&many)[0].text.contains("4.pyc (1 KB of compiled code) and 2 more;"));
-        let long = vec![b'#'; 250_000];
-        assert_eq!(with(&[("lib/tables.py", &long)])[0].file, "lib/tables.py");
+        // In parts it is as much.
+        let parts = [("a.npy", &table[..15_000]), ("b.npy", &table[..9_000])];
+        assert!(with(&parts)[0].text.contains("a.npy (15 KB), b.npy (9 KB);"));
+        let sources = [("a.py", &long[..]), ("b.py", &long[..60_000])];
+        assert_eq!(with(&sources)[0].file, "a.py");
     }
 
     #[test]

@@ -124,7 +124,10 @@ fn no_other_program_takes_the_place_of_a_submission() {
     let raw = "libc = ctypes.CDLL(None, use_errno=True)\nargv = (ctypes.c_char_p * 2)(b'true', None)\n\
                libc.execve(b'/bin/true', argv, None)\nraise OSError(ctypes.get_errno(), 'execve')";
     if let Some(classroom) = Classroom::with_python() {
-        for body in ["os.execv('/bin/true', ['true'])", thread, loader, raw] {
+        let unnamed = "libc = ctypes.CDLL(None, use_errno=True)\nfile = os.open('/bin/true', os.O_RDONLY)\n\
+                       libc.execveat(file, b'', None, None, 0x1000)\nif ctypes.get_errno() == 38: raise \
+                       PermissionError(13, 'no such call')\nraise OSError(ctypes.get_errno(), 'execveat')";
+        for body in ["os.execv('/bin/true', ['true'])", thread, loader, raw, unnamed] {
             let report = classroom.grade_source(&attack(body));
             report.expect("RE", &["PermissionError", "may not start programs"]);
         }

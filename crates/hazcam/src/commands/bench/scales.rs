@@ -50,7 +50,8 @@ impl Scales {
                 )
             })
             .collect();
-        let mut of_scenes: BTreeMap<&str, Vec<(&str, f64)>> = BTreeMap::new();
+        // By scene, and by factor as a text, since floats have no order.
+        let mut of_scenes: BTreeMap<(&str, String), Vec<&str>> = BTreeMap::new();
         for (engine, answers) in &self.engines {
             let suspected: Vec<(&str, f64)> =
                 answers.iter().filter_map(|(scene, factor)| Some((&**scene, (*factor)?))).collect();
@@ -67,17 +68,19 @@ impl Scales {
                 continue;
             }
             for (scene, factor) in suspected {
-                of_scenes.entry(scene).or_default().push((engine, factor));
+                of_scenes.entry((scene, in_words(factor))).or_default().push(engine);
             }
         }
-        for (scene, suspicions) in of_scenes {
-            let (_, factor) = suspicions[0];
-            let engines: Vec<&str> = suspicions.iter().map(|(engine, _)| *engine).collect();
+        let factors = |scene: &str| of_scenes.keys().filter(|(other, _)| *other == scene).count();
+        for ((scene, remedy), engines) in &of_scenes {
+            // Engines that are off by different factors acquit the truth.
+            let truth = match factors(scene) {
+                1 => "; or the truth is off by that: look at its scale",
+                _ => "",
+            };
+            let engines = engines.join(", ");
             told.push(format!(
-                "{scene}: most disparities of {} are bad, but would not be {}; or the truth is off by that: look at its \
-                 scale",
-                engines.join(", "),
-                in_words(factor)
+                "{scene}: most disparities of {engines} are bad, but would not be {remedy}{truth}"
             ));
         }
         told
@@ -141,6 +144,12 @@ mod tests {
         .unwrap();
         assert!(line.starts_with("one: most disparities of a, b are bad"), "{line}");
         assert!(line.contains("multiplied by 4; or the truth"), "{line}");
+        let lines = told(&[("a", &[("one", Some(4.0))]), ("b", &[("one", quarter)])]);
+        let expected = [
+            "one: most disparities of a are bad, but would not be if they were divided by 4",
+            "one: most disparities of b are bad, but would not be if they were multiplied by 4",
+        ];
+        assert_eq!(lines, expected);
         let [line] = told(&[("a", &[("one", Some(-1.0))])]).try_into().unwrap();
         assert!(line.starts_with("one: ") && line.contains("other sign"), "{line}");
     }
