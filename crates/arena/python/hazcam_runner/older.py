@@ -147,25 +147,45 @@ def restore():
     for name in collections.abc.__all__:
         if not hasattr(collections, name):
             setattr(collections, name, getattr(collections.abc, name))
-    sys.meta_path.insert(0, _Signal())
+    sys.meta_path.insert(0, _Afterwards())
     sys.meta_path.append(_NdimageParts())
     sys.meta_path.append(_StandIns())
 
 
-class _Signal(importlib.abc.MetaPathFinder):
-    """Adds its windows to scipy.signal once that is imported, which takes long."""
+def _add_windows(signal):
+    windows = importlib.import_module("scipy.signal.windows")
+    for name in WINDOWS:
+        if not hasattr(signal, name) and hasattr(windows, name):
+            setattr(signal, name, getattr(windows, name))
+
+
+def _draw_nowhere(module):
+    """There is no screen: what is to be drawn on is not up to the submission."""
+    for name in ("use", "switch_backend"):
+        if hasattr(module, name):
+            setattr(module, name, lambda *_arguments, **_options: None)
+
+
+# What is done to modules once they are imported, which takes long.
+AFTERWARDS = {
+    "matplotlib": _draw_nowhere,
+    "matplotlib.pyplot": _draw_nowhere,
+    "scipy.signal": _add_windows,
+}
+
+
+class _Afterwards(importlib.abc.MetaPathFinder):
+    """Changes modules that are imported, if the submission imports them."""
 
     def find_spec(self, name, path=None, target=None):
-        spec = importlib.machinery.PathFinder.find_spec(name, path) if name == "scipy.signal" else None
-        if spec is not None:
+        change = AFTERWARDS.get(name)
+        spec = importlib.machinery.PathFinder.find_spec(name, path) if change else None
+        if spec is not None and spec.loader is not None:
             load = spec.loader.exec_module
 
             def exec_module(module):
                 load(module)
-                windows = importlib.import_module("scipy.signal.windows")
-                for each in WINDOWS:
-                    if not hasattr(module, each) and hasattr(windows, each):
-                        setattr(module, each, getattr(windows, each))
+                change(module)
 
             spec.loader.exec_module = exec_module
         return spec

@@ -21,8 +21,8 @@ pub struct Standing {
     pub bonus: f64,
     /// Points of the tests and the bonus.
     pub total: f64,
-    /// What whoever grades should look at, in words: answers that equal the truth, or those of somebody else. It may be
-    /// honest: a fixed window has not many ways to be written.
+    /// What whoever grades should look at, in words: answers that equal the truth, or those of somebody else, and what the
+    /// files bring besides their source. It may be honest: a fixed window has not many ways to be written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
     /// Who stands here.
@@ -43,7 +43,7 @@ pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
         .into_iter()
         .map(|entry| {
             let score = holdout_score(&entry.holdout, test);
-            let (total, doubts) = (entry.report.points, copied(&entry));
+            let (total, doubts) = (entry.report.points, of_entry(&entry));
             Standing { place: None, score, bonus: 0.0, total, doubts, entry }
         })
         .collect();
@@ -54,34 +54,34 @@ pub fn standings(entries: Vec<Entry>, test: &Test) -> Vec<Standing> {
         standing.bonus = BONUS.get(before).copied().unwrap_or(0.0);
         standing.total += standing.bonus;
     }
-    // Whose scores are the same stand side by side, but for baselines: each is told of the next one.
+    // Baselines are there to be compared with.
     let competing = |at: &usize| standings[*at].place.is_some();
     let competing: Vec<usize> = (0..standings.len()).filter(competing).collect();
-    for pair in competing.windows(2) {
-        let (one, other) = (&standings[pair[0]].entry, &standings[pair[1]].entry);
-        if answer_alike(&one.holdout, &other.holdout) {
-            let (of_one, of_other) = (as_well_as(one), as_well_as(other));
-            standings[pair[0]].doubts.push(of_other);
-            standings[pair[1]].doubts.push(of_one);
+    for &at in &competing {
+        let of = |at: usize| &standings[at].entry;
+        let others = competing.iter().filter(|&&other| other != at);
+        let alike = others.filter(|&&other| answer_alike(&of(at).holdout, &of(other).holdout));
+        let names: Vec<String> = alike.map(|&other| format!("`{}`", of(other).secret_id)).collect();
+        if !names.is_empty() {
+            standings[at].doubts.push(format!(
+                "the same scores on the hold-out as {}, to the last digit",
+                names.join(", ")
+            ));
         }
     }
     standings
 }
 
-/// A doubt where an answer equals the truth.
-fn copied(entry: &Entry) -> Vec<String> {
+/// What is doubtful about an entry by itself: answers that equal the truth, findings for whoever grades.
+fn of_entry(entry: &Entry) -> Vec<String> {
     let looks_copied =
         |test: &&TestResult| test.scores.as_ref().is_some_and(|scores| scores.looks_copied());
     let tests = entry.report.tests.iter().chain([&entry.holdout]).filter(looks_copied);
     let names: Vec<&str> = tests.map(|test| &*test.name).collect();
-    match names.is_empty() {
-        true => Vec::new(),
-        false => vec![format!("nearly all of the truth in {}", names.join("; "))],
-    }
-}
-
-fn as_well_as(entry: &Entry) -> String {
-    format!("the same scores on the hold-out as `{}`, to the last digit", entry.secret_id)
+    let copied =
+        (!names.is_empty()).then(|| format!("nearly all of the truth in {}", names.join("; ")));
+    let findings = entry.report.findings.iter().filter(|finding| finding.doubtful);
+    copied.into_iter().chain(findings.map(|finding| finding.to_string())).collect()
 }
 
 /// Whether two answers are the same, as far as both numbers tell.
@@ -112,6 +112,7 @@ pub(crate) mod tests {
     use crate::board::Holdout;
     use crate::grade::Outcome;
     use crate::grade::output::tests::report;
+    use crate::submission::Finding;
 
     /// An entry with these numbers on the hold-out; none without an answer.
     pub(crate) fn entry(id: &str, e_rms: Option<f64>, p_bad: f64, cpu: f64) -> Entry {
@@ -183,10 +184,13 @@ pub(crate) mod tests {
         baseline.baseline = true;
         let mut copied = entry("copied", Some(0.0), 0.0, 1.0);
         copied.holdout.scores.as_mut().unwrap().identical = 1.0;
+        let finding = Finding::about("a.npy", "whoever grades may ask");
+        copied.report.findings = vec![Finding { doubtful: true, ..finding }];
         let entries = vec![
             alike("one"),
             alike("other"),
             baseline,
+            alike("third"),
             entry("by chance", Some(1.25), 0.021, 1.0),
             entry("none", None, 0.0, 1.0),
             entry("neither", None, 0.0, 1.0),
@@ -196,11 +200,13 @@ pub(crate) mod tests {
         let doubts: Vec<(&str, &[String])> =
             standings.iter().map(|s| (&*s.entry.secret_id, &*s.doubts)).collect();
         let as_ =
-            |id| vec![format!("the same scores on the hold-out as `{id}`, to the last digit")];
-        assert_eq!(doubts[0], ("copied", &["nearly all of the truth in One".into()][..]));
-        assert_eq!(doubts[1], ("one", &as_("other")[..]));
-        assert_eq!(doubts[2], ("other", &as_("one")[..]));
-        assert!(doubts[3..].iter().all(|(_, doubts)| doubts.is_empty()), "{doubts:?}");
+            |ids| vec![format!("the same scores on the hold-out as {ids}, to the last digit")];
+        let of_copied = ["nearly all of the truth in One", "a.npy: whoever grades may ask"];
+        assert_eq!(doubts[0], ("copied", &of_copied.map(str::to_owned)[..]));
+        assert_eq!(doubts[1], ("one", &as_("`other`, `third`")[..]));
+        assert_eq!(doubts[2], ("other", &as_("`one`, `third`")[..]));
+        assert_eq!(doubts[4], ("third", &as_("`one`, `other`")[..]));
+        assert!(doubts[5..].iter().all(|(_, doubts)| doubts.is_empty()), "{doubts:?}");
     }
 
     #[test]

@@ -153,9 +153,13 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
                     {
                         Heard::Broken("a message is text in UTF-8, and this one is not".into())
                     }
-                    Line::Chatter if let Some(before) = text.and_then(before_message) => {
+                    Line::Chatter
+                        if begins
+                            && !too_long
+                            && let Some(before) = before_message(&line) =>
+                    {
                         log.push(Stream::Output, &line);
-                        Heard::Behind(shortened(before))
+                        Heard::Behind(shortened(&before))
                     }
                     Line::Message(message) => Heard::Message(message),
                     Line::Broken(why) => Heard::Broken(why),
@@ -174,10 +178,11 @@ fn hear_messages(mut output: impl BufRead, log: &Log, sender: &SyncSender<Heard>
     }
 }
 
-/// What stands in a line before a message at its end.
-fn before_message(line: &str) -> Option<&str> {
-    let begin = line.rfind("{\"hazcam\"")?;
-    matches!(parse_line(&line[begin..]), Line::Message(_)).then(|| &line[..begin])
+/// What stands in a line before a message at its end, whatever it is.
+fn before_message(line: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(line);
+    let begin = text.rfind("{\"hazcam\"")?;
+    matches!(parse_line(&text[begin..]), Line::Message(_)).then(|| text[..begin].to_owned())
 }
 
 /// The end of a text, for messages.
@@ -199,6 +204,9 @@ mod tests {
         let heard = |line: &'static str| -> Vec<Heard> {
             listen(line.as_bytes(), Log::default()).iter().collect()
         };
+        let broken = b"\xff\xfe{\"hazcam\":\"done\",\"job\":1}\n".as_slice();
+        let first = listen(broken, Log::default()).recv().unwrap();
+        assert_eq!(first, Heard::Behind("\u{fffd}\u{fffd}".into()));
         for (line, before) in [
             ("progress 100%{\"hazcam\":\"done\",\"job\":1}\n", "progress 100%"),
             ("x {\"hazcam\" y{\"hazcam\":\"done\",\"job\":1}\n", "x {\"hazcam\" y"),

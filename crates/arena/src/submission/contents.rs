@@ -267,7 +267,7 @@ pub(super) fn left_out(staging: &Path, root: &Path) -> Option<Finding> {
         "it holds files of the course too, and nobody looks at them: those in `{}` are graded",
         shortened(&chosen)
     );
-    Some(Finding { file: shortened(&other), line: None, text, fatal: false })
+    Some(Finding::about(shortened(&other), text))
 }
 
 /// A finding for files of Python, none of them the course's, that lie outside of the folder that was chosen.
@@ -301,7 +301,7 @@ fn beside(staging: &Path, root: &Path) -> Option<Finding> {
         "{lie} outside of `{}`, whose files are graded, and out of their reach: if they need it, put all into one folder",
         shortened(&chosen)
     );
-    Some(Finding { file, line: None, text, fatal: false })
+    Some(Finding::about(file, text))
 }
 
 /// Bytes of files that together hold more than a few pages of text or a few numbers, and of sources that nobody wrote by
@@ -351,7 +351,7 @@ pub(super) fn besides_its_source(root: &Path) -> Option<Finding> {
         "much comes with it that nobody reads: {}{more}; whoever grades may ask what for",
         told.join(", ")
     );
-    Some(Finding { file, line: None, text, fatal: false })
+    Some(Finding { doubtful: true, ..Finding::about(file, text) })
 }
 
 /// Whether a file begins as programs and libraries do on Linux, Windows or macOS, or is called as Python's byte code is.
@@ -427,12 +427,9 @@ pub(super) fn missing_files(root: &Path) -> Vec<Finding> {
             }
             None => format!("; it defines {stem}(Il, Ir, bbox, maxd)"),
         };
-        findings.push(Finding {
-            file: file.to_owned(),
-            line: None,
-            text: format!("the file is missing{instead}"),
-            fatal: file != "secret_id.py",
-        });
+        let text = format!("the file is missing{instead}");
+        let fatal = file != "secret_id.py";
+        findings.push(Finding { fatal, ..Finding::about(file, text) });
     }
     findings
 }

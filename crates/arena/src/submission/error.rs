@@ -70,7 +70,8 @@ pub enum SubmissionError {
     },
     /// The course's files are in several folders beside each other.
     #[error(
-        "{} holds several submissions, {} and {} among them: hand in one, and grade those of a class one by one",
+        "{} holds files of the course in several folders, {} and {} among them: hand in one folder with all three files; \
+         those of a class are graded one by one",
         path.display(),
         one.display(),
         other.display()

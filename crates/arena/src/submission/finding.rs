@@ -15,6 +15,16 @@ pub struct Finding {
     pub text: String,
     /// Whether the tests of that module need not be run.
     pub fatal: bool,
+    /// Whether it is for whoever grades: what makes it doubtful that all of this is its author's work.
+    #[serde(default)]
+    pub doubtful: bool,
+}
+
+impl Finding {
+    /// One that is about a file as a whole, and neither fatal nor doubtful.
+    pub(crate) fn about(file: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { file: file.into(), line: None, text: text.into(), fatal: false, doubtful: false }
+    }
 }
 
 impl fmt::Display for Finding {

@@ -58,7 +58,7 @@ impl Inspection {
             .and_then(|json| serde_json::from_str(json).ok())
             .unwrap_or_else(|| {
                 let text = format!("looking at it failed: {}", message);
-                vec![Finding { file: "secret_id.py".into(), line: None, text, fatal: false }]
+                vec![Finding::about("secret_id.py", text)]
             });
         // It comes from the submission's process, so it is checked here again.
         Self { secret_id: secret_id.filter(|id| is_secret_id(id)), findings }

@@ -86,7 +86,7 @@ fn what_leads_out_of_an_archive_is_refused() {
         (vec![("main.py", file, "", b"x")], "it has main.py: rename them"),
         (
             vec![("a/secret_id.py", file, "", b"x"), ("b/secret_id.py", file, "", b"x")],
-            "holds several submissions, a and b among them: hand in one",
+            "holds files of the course in several folders, a and b among them: hand in one",
         ),
         (vec![], "holds none of"),
     ] {

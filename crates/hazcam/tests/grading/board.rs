@@ -159,7 +159,7 @@ fn who_answers_as_somebody_else_is_told_to_whoever_grades() {
     assert!(!add("one").contains("same scores"));
     let told = add("two");
     assert!(
-        told.contains("`Anna two` has the same scores on the hold-out as `Anna one`"),
+        told.contains("`Anna two` is doubtful: the same scores on the hold-out as `Anna one`"),
         "{told}"
     );
     let csv = course.done(&["show", "--owners", "--format", "csv"]);
@@ -274,7 +274,9 @@ fn a_name_that_was_given_stays_with_its_owner() {
         let text = course.done(&with(&["alice", "--owner", "alice", "--again"]));
         assert!(text.contains("Entered `Polite`") && text.contains("that it was given"), "{text}");
     }
-    // Who has only a file's name may be somebody else.
+    // Who has only a file's name is known by what is in it, and may else be somebody else.
+    assert!(course.done(&with(&["alice", "--again"])).contains("Entered `Polite`"));
+    fs::write(course.0.path("alice/more.py"), "").unwrap();
     let (status, _, stderr) = course.run(&with(&["alice", "--again"]));
     assert!(status == 2 && stderr.contains("--secret-id 'Polite'"), "{stderr}");
     let again = ["alice", "--owner", "alice", "--again", "--secret-id", "Other"];

@@ -162,6 +162,33 @@ fn files_beside_the_modules_are_looked_at_too() {
 }
 
 #[test]
+fn names_that_are_imported_from_modules_are_told_too() {
+    let Some(classroom) = Classroom::with_scipy() else { return };
+    let imports = "from collections import Iterable\nfrom scipy.signal import gaussian\nimport scipy.signal\n\
+                   assert scipy.signal.hann(3)[1] == 1 and isinstance([], Iterable) and gaussian(3, 1)[1] == 1\n";
+    let submission = classroom.submission("older", &format!("{imports}{HONEST}"));
+    fs::write(submission.join("PIL.py"), "").unwrap();
+    let report = classroom.grade(&submission, &[]);
+    report.expect("OK", &[]);
+    let told = report.findings();
+    assert!(told.contains("\"PIL.py\" null: \"it hides the library of that name"), "{told}");
+    assert!(told.contains("collections.Iterable is gone"), "{told}");
+    // As far as this scipy has dropped them.
+    if told.contains("scipy.signal.gaussian is gone") {
+        assert!(told.contains("scipy.signal.hann is gone"), "{told}");
+    }
+}
+
+#[test]
+fn a_backend_with_windows_is_not_asked_for() {
+    let Some(classroom) = Classroom::with_python() else { return };
+    let draws = "import matplotlib\nmatplotlib.use('TkAgg')\nimport matplotlib.pyplot as plt\n";
+    let body = HONEST
+        .replace("    return Id", "    plt.switch_backend('Qt5Agg'); plt.close()\n    return Id");
+    classroom.grade_source(&format!("{draws}{body}")).expect("OK", &[]);
+}
+
+#[test]
 fn a_source_that_is_too_deep_for_python_does_not_hide_the_secret_id() {
     let Some(classroom) = Classroom::with_python() else { return };
     let report = classroom.grade_source(&format!("depth = {}1\n{HONEST}", "-".repeat(20_000)));

@@ -97,6 +97,7 @@ pub(crate) mod tests {
                 line: Some(7),
                 text: "np.int is gone".into(),
                 fatal: false,
+                doubtful: false,
             }],
             tests: vec![
                 clipped,

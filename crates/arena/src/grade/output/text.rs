@@ -184,6 +184,7 @@ mod tests {
             line: None,
             text: "two\nlines\x1b[2J".into(),
             fatal: false,
+            doubtful: false,
         };
         assert_eq!(findings(&[finding]), "a.py: two\nlines [2J\n\n");
         assert_eq!(findings(&[]), "");

@@ -122,9 +122,11 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let mut inspection = grader.inspect(&entrant);
     ui.print(&text::findings(&inspection.findings))?;
     // A name that was given by `rename` stays, whatever the next hand-in calls itself.
-    let renamed = match owner {
-        Owner::Given(name) if given.is_none() => {
-            board.entry_of(name)?.filter(|kept| kept.renamed).map(|kept| kept.secret_id)
+    let renamed = match board.entry_of(owner.name())? {
+        Some(kept) if given.is_none() && kept.renamed => {
+            // Whose a file is that is only called alike its content tells.
+            let is_owners = matches!(owner, Owner::Given(_)) || kept.handin == handin;
+            is_owners.then_some(kept.secret_id)
         }
         _ => None,
     };
@@ -206,7 +208,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     ui.print(&format!("Entered `{secret_id}`: {place}{before}{kept}\n"))?;
     for doubt in standing.map_or(&[][..], |standing| &standing.doubts) {
-        ui.warn(format_args!("`{secret_id}` has {doubt}"));
+        ui.warn(format_args!("`{secret_id}` is doubtful: {doubt}"));
     }
     Ok(ExitCode::SUCCESS)
 }
