@@ -10,7 +10,9 @@
 mod archive;
 mod budget;
 mod contents;
+mod course_files;
 mod error;
+mod extras;
 mod finding;
 mod python;
 mod runner;
@@ -79,10 +81,10 @@ impl Submission {
             true => contents::copy_folder(path, staging)?,
             false => archive::unpack(path, staging)?,
         }
-        let root = contents::find_root(path, staging)?;
-        let mut findings = contents::missing_files(&root);
-        findings.extend(contents::left_out(staging, &root));
-        findings.extend(contents::besides_its_source(&root));
+        let root = course_files::find_root(path, staging)?;
+        let mut findings = course_files::missing_files(&root);
+        findings.extend(course_files::left_out(staging, &root));
+        findings.extend(extras::besides_its_source(&root));
         Ok(Self { root, findings })
     }
 
