@@ -42,6 +42,10 @@ fn of_image(doubt: ImageDoubt) -> String {
             "the samples of `left` use {left} bits, those of `right` {right}: steps of grey are far smaller in one of \
              them, which makes matches worse; give both over all bits"
         ),
+        ImageDoubt::Saturated(shares) => format!(
+            "more than a quarter of `{}` is as bright as samples can be, where nothing is matched: expose for shorter",
+            if shares[0] >= shares[1] { "left" } else { "right" }
+        ),
         ImageDoubt::Compressed => "`left` and `right` show the blocks of 8 x 8 pixels of a compression, which are in \
                                    the same places of both and are matched at multiples of 8 pixels: take pictures \
                                    without, or of a better quality"
@@ -64,9 +68,9 @@ fn of_rows(vertical: &VerticalDisparity) -> Option<String> {
     if let Some(off) = vertical.common_disparity() {
         return Some(format!(
             "things stand higher or lower in `right` than in `left`, which was mended (`vertical_disparity` tells how \
-             far); if the cameras are turned against each other about the upright axis, as it looks, all disparities are \
-             off by some {off:.0} px (where the focal length is the images' width), which nothing in them shows: compare a \
-             distance that you know, or rectify the cameras anew"
+             far); a lens may have done that, or cameras that are turned against each other about the upright axis: then \
+             all disparities are off by some {off:.0} px (where the focal length is the images' width), which nothing in \
+             them shows: compare a distance that you know, or rectify the cameras anew"
         ));
     }
     if vertical.disparity_error() > VerticalDisparity::TELLING {

@@ -19,7 +19,7 @@ pub enum MatchError {
     /// The two images differ in size.
     #[error(
         "the left image is {left_columns} x {left_rows} but the right one is {right_columns} x \
-         {right_rows}: a rectified pair has one size; crop or rectify first"
+         {right_rows}: a rectified pair has one size; rectify first, crop, or take both at one resolution"
     )]
     SizesDiffer {
         /// Columns of the left image.

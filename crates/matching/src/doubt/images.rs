@@ -25,6 +25,9 @@ const BLOCKY: f64 = 1.13;
 const UNEQUAL: f64 = 1.9;
 /// Exposures differ by less than so many bits.
 const UNEQUAL_BITS: u32 = 3;
+/// So large a part of an image is at the end of what samples hold. Of all these pairs none comes to more than an eighth,
+/// which is sky over streets.
+const MUCH_SATURATED: f64 = 0.25;
 /// Smaller images say too little about either.
 const SMALLEST: usize = 64;
 
@@ -45,6 +48,8 @@ pub enum ImageDoubt {
     LeftBlurred(f64),
     /// The right one is.
     RightBlurred(f64),
+    /// So large shares of the left and of the right image are as bright as samples can be: nothing is matched there.
+    Saturated([f64; 2]),
     /// The samples of the left image use so many bits, those of the right one so many, of as many as count in each: steps
     /// of grey are by far smaller in one of them.
     UnequalBits([u32; 2]),
@@ -77,6 +82,14 @@ impl fmt::Display for ImageDoubt {
             ),
             Self::LeftBlurred(ratio) => blurred(f, "left", "right", ratio),
             Self::RightBlurred(ratio) => blurred(f, "right", "left", ratio),
+            Self::Saturated(shares) => {
+                let [left, right] = shares.map(|share| 100.0 * share);
+                write!(
+                    f,
+                    "{left:.0} % of the left and {right:.0} % of the right image are as bright as samples can be, where \
+                     nothing is matched: expose for shorter"
+                )
+            }
             Self::UnequalBits([left, right]) => write!(
                 f,
                 "the samples of the left image use {left} bits, those of the right one {right}, which makes matches \
@@ -96,6 +109,9 @@ pub fn image_doubts(left: &Image, right: &Image) -> Vec<ImageDoubt> {
     let mut doubts = Vec::from_iter(few_bits(left, right).map(ImageDoubt::FewBits));
     doubts.extend(few_levels(left, right).map(ImageDoubt::FewLevels));
     doubts.extend(unequal_bits(left, right).map(ImageDoubt::UnequalBits));
+    let saturated = [left, right].map(saturated);
+    let is_much = saturated.iter().any(|&share| share > MUCH_SATURATED);
+    doubts.extend(is_much.then_some(ImageDoubt::Saturated(saturated)));
     if is_large(left) && is_large(right) {
         let details = [left, right].map(details);
         let mut all = details.as_flattened().iter();
@@ -113,6 +129,20 @@ pub fn few_bits(left: &Image, right: &Image) -> Option<u32> {
         return None;
     }
     few_of_16(levels(left, right)?)
+}
+
+/// The share of an image's pixels all colours of which are as bright as samples can be.
+fn saturated(image: &Image) -> f64 {
+    fn of<T: Copy + PartialEq, const N: usize>(pixels: &[[T; N]], most: T) -> f64 {
+        let count = pixels.iter().filter(|pixel| **pixel == [most; N]).count();
+        count as f64 / pixels.len().max(1) as f64
+    }
+    match image {
+        Image::Grey8(plane) => of(plane.samples().as_chunks::<1>().0, u8::MAX),
+        Image::Grey16(plane) => of(plane.samples().as_chunks::<1>().0, u16::MAX),
+        Image::Rgb8(plane) => of(plane.samples(), u8::MAX),
+        Image::Rgb16(plane) => of(plane.samples(), u16::MAX),
+    }
 }
 
 /// How many of 16 bits samples between these two use, where they leave many unused, and do not fill so small a part of
@@ -223,6 +253,18 @@ mod tests {
         ] {
             assert_eq!(unequal_bits(&left, &right), None);
         }
+    }
+
+    #[test]
+    fn much_that_is_as_bright_as_can_be_is_told() {
+        let bright = |part: usize| {
+            let colour = |x: usize| if x < part { [255; 3] } else { [255, 9, (7 * x) as u8] };
+            Image::Rgb8(Plane::from_fn(40, 2, |x, _| colour(x)))
+        };
+        assert_eq!(image_doubts(&bright(10), &bright(3)), []);
+        let [doubt] = image_doubts(&bright(11), &bright(20)).try_into().unwrap();
+        assert_eq!(doubt, ImageDoubt::Saturated([0.275, 0.5]));
+        assert!(doubt.to_string().starts_with("28 % of the left and 50 % of the right"), "{doubt}");
     }
 
     /// Texture at several sizes.

@@ -95,11 +95,12 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
         }
     }
     let share = matched as f64 / answered as f64;
+    // Nothing at all is nothing, whatever it is of.
+    if matched == 0 || share < FEW && bounds.columns() >= NARROW {
+        return vec![Doubt::HardlyMatched(share)];
+    }
     if bounds.columns() < NARROW {
         return Vec::new();
-    }
-    if share < FEW {
-        return vec![Doubt::HardlyMatched(share)];
     }
     // In a short range the last disparity is a large share of it, whatever is seen.
     let many = MANY.max(1.0 / range.count() as f64);

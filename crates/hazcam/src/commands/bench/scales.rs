@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use arena::dataset::{Case, CaseData, RANGE_BY_TRUTH};
+use arena::dataset::{Case, CaseData, Purpose, RANGE_BY_TRUTH};
 use arena::engine::Answer;
 use arena::record::Record;
 use raster::Plane;
 use score::{Pixels, Region, suspected_scale};
 
+/// Narrower images say nothing: hardly anything in them is matched.
+const NARROW: usize = 64;
 /// A truth no part of which comes to more was hardly meant so.
 const NEAR_NOTHING: i32 = 2;
 
@@ -29,6 +31,10 @@ impl Scales {
         record: &Record,
         answer: Option<&Answer>,
     ) {
+        // What is rendered has the scale that it has.
+        if case.purpose == Purpose::Rendered || data.left.columns() < NARROW {
+            return;
+        }
         let is_by_truth = data.protocol.iter().any(|line| line == RANGE_BY_TRUTH);
         let is_known = self.flat.last().is_some_and(|(id, _)| *id == case.id);
         if is_by_truth && data.range.max() < NEAR_NOTHING && data.range.min() == 0 && !is_known {

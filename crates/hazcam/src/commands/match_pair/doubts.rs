@@ -37,6 +37,13 @@ pub fn of_images(
             "the samples of {left} use {of_left} bits, those of {right} {of_right}: steps of grey are far smaller in one \
              of them, which makes matches worse; store both alike, over all bits"
         ),
+        ImageDoubt::Saturated(shares) => {
+            let [of_left, of_right] = shares.map(|share| 100.0 * share);
+            format!(
+                "{of_left:.0} % of {left} and {of_right:.0} % of {right} are as bright as samples can be, where nothing \
+                 is matched: expose for shorter"
+            )
+        }
         ImageDoubt::Compressed => format!(
             "{left} and {right} show the blocks of 8 x 8 pixels of a compression, which are in the same places of \
              both and are matched at multiples of 8 pixels: take pictures without, or of a better quality"
@@ -60,9 +67,9 @@ pub fn of_rows(right: &Path, vertical: &VerticalDisparity) -> String {
     };
     let turned = vertical.common_disparity().map(|off| {
         format!(
-            "; if the cameras are turned against each other about the upright axis, as it looks, all disparities are \
-             off by some {off:.0} px (where the focal length is the images' width), which nothing in them shows: compare \
-             a distance that you know"
+            "; a lens may have done that, or cameras that are turned against each other about the upright axis: then all \
+             disparities are off by some {off:.0} px (where the focal length is the images' width), which nothing in them \
+             shows: compare a distance that you know"
         )
     });
     format!(
@@ -96,7 +103,7 @@ pub fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
              nearer things that are missed; raise --max-disparity",
             100.0 * share,
         )),
-        Doubt::Farther(share) => ui.note(format_args!(
+        Doubt::Farther(share) => ui.warn(format_args!(
             "{:.1} % of the matched pixels lie at the smallest disparity, {min}: there may be \
              farther things that are missed; lower --min-disparity",
             100.0 * share,

@@ -13,7 +13,7 @@ use std::thread;
 
 use anyhow::{Context, bail};
 use formats::FormatError;
-use matching::{Holes, Matcher, Options, Preset};
+use matching::{Holes, Matcher, Options, Preset, VerticalDisparity};
 use raster::{BoundingBox, DisparityRange, Image};
 
 use crate::arguments::{self, GivenBox};
@@ -176,7 +176,12 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let sidecar = Sidecar::new(inputs, &outputs, &options, bounds, map, vertical, elapsed)?;
     outputs.write(map, options.range, &sidecar)?;
     if let Some(vertical) = vertical {
-        ui.note(doubts::of_rows(&args.right, vertical));
+        let words = doubts::of_rows(&args.right, vertical);
+        // What is not mended shows in no confidence.
+        match vertical.disparity_error() > VerticalDisparity::TELLING {
+            true => ui.warn(words),
+            false => ui.note(words),
+        }
     }
     ui.note(format_args!(
         "{}: {}, disparities {} to {} in {:.3} s; {:.1} % matched{}",
@@ -189,11 +194,16 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         if options.holes == Holes::Fill { ", the rest filled" } else { ", the rest left open" },
     ));
     if left == right {
-        ui.warn(format_args!(
-            "{} and {} hold the same image: a pair shows the scene from two places",
-            args.left.display(),
-            args.right.display()
-        ));
+        let (left_file, right_file) = (args.left.display(), args.right.display());
+        match left.extremes() {
+            Some([least, most]) if least == most => ui.warn(format_args!(
+                "all samples of {left_file} and {right_file} are {most}, so there is nothing to match: was a cap on, or \
+                 the exposure far off?"
+            )),
+            _ => ui.warn(format_args!(
+                "{left_file} and {right_file} hold the same image: a pair shows the scene from two places"
+            )),
+        }
     }
     for doubt in matching::doubts(map, bounds, options.range) {
         doubts::tell(doubt, &args, options.range, ui);
@@ -227,7 +237,7 @@ fn read_both(args: &Args) -> Result<[(Image, Input); 2], FormatError> {
 fn check_pair(args: &Args, left: &Image, right: &Image) -> anyhow::Result<()> {
     if left.size() != right.size() {
         bail!(
-            "{} is {} x {} but {} is {} x {}: a rectified pair has one size; crop or rectify first",
+            "{} is {} x {} but {} is {} x {}: a rectified pair has one size; rectify first, crop, or take both at one resolution",
             args.left.display(),
             left.columns(),
             left.rows(),
