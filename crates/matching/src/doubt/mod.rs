@@ -146,7 +146,8 @@ mod tests {
         assert_eq!(about(100, &[(24, 40.0)], (0, 40)), [Doubt::HardlyMatched(0.24)]);
         assert_eq!(about(100, &[(25, 20.0)], (0, 40)), []);
         assert_eq!(about(64, &[], (0, 40)), [Doubt::HardlyMatched(0.0)]);
-        assert_eq!(about(63, &[], (0, 40)), []);
+        assert_eq!(about(63, &[(1, 20.0)], (0, 40)), []);
+        assert_eq!(about(1, &[], (0, 40)), [Doubt::HardlyMatched(0.0)], "nothing at all");
     }
 
     #[test]
