@@ -39,6 +39,7 @@ def test_fractions_are_rounded_as_where_grey_is_made_of_colours():
     assert np.array_equal(found, expected.values)
 
 
+@pytest.mark.filterwarnings("ignore:few pixels are matched:hazcam.HazcamWarning")
 def test_black_and_white_of_0_and_1_are_grey_values():
     # Nothing says that white is 1 here: they are nearly black.
     Il = np.zeros((6, 9), np.float32)

@@ -139,8 +139,7 @@ VALUES = [
     (
         lambda: fast(right=GREY[1:]),
         "the left image is 9 x 6 but the right one is 9 x 5: a rectified pair "
-        "has one size; crop or "
-        "rectify first",
+        "has one size; rectify first, crop, or take both at one resolution",
     ),
     (
         lambda: fast(GREY[:0], GREY[:0]),
@@ -464,6 +463,7 @@ def test_what_is_shown_of_a_value_is_short():
     assert str(error.value).startswith("`left` is [0, 1, 2,") and len(str(error.value)) < 200
 
 
+@pytest.mark.filterwarnings("ignore:few pixels are matched:hazcam.HazcamWarning")
 def test_what_a_remedy_says_helps():
     right = np.full((6, 9), 99.6)
     assert fast(right=np.rint(right).astype(np.uint8)).values.shape == (6, 9)
@@ -471,6 +471,7 @@ def test_what_a_remedy_says_helps():
     assert fast(moved, without_alpha).values.shape == (6, 9)
 
 
+@pytest.mark.filterwarnings("ignore:few pixels are matched:hazcam.HazcamWarning")
 def test_memory_that_does_not_do_is_told():
     large = image(2000, 3000)
     matcher = Matcher("balanced", 255, memory=1_000_000)
@@ -525,6 +526,7 @@ def test_a_map_that_cannot_be_copied_is_named(dtype):
     )
 
 
+@pytest.mark.filterwarnings("ignore:few pixels are matched:hazcam.HazcamWarning")
 def test_a_matcher_answers_after_an_error():
     matcher = Matcher("fast", 4)
     with pytest.raises(hazcam.ArgumentError):
