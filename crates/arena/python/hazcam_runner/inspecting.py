@@ -24,16 +24,15 @@ SHORTEST, LONGEST = 4, 32
 def inspect(folder):
     """(secret ID or None, findings)."""
     findings = []
-    for name in MODULES:
-        path = os.path.join(folder, name + ".py")
-        if os.path.isfile(path):
-            findings += [_finding(name, *each) for each in _look(folder, path, name)]
+    modules = [name + ".py" for name in MODULES]
+    for path in [each for each in modules if os.path.isfile(os.path.join(folder, each))]:
+        findings += [_finding(path[: -len(".py")], *each) for each in _look(folder, path)]
     for name in older.REQUIRED + older.DRAWING:
         if os.path.isfile(os.path.join(folder, name + ".py")):
             text = "it hides the library of that name: call your file otherwise"
             findings.append(_finding(name, None, text, False))
     for path in _others(folder):
-        findings += [_finding(path[: -len(".py")], *each) for each in _look_beside(folder, path)]
+        findings += [_finding(path[: -len(".py")], *each) for each in _look(folder, path)]
     identifier = None
     if os.path.isfile(os.path.join(folder, IDENTIFIER + ".py")):
         identifier, text = _identify(folder)
@@ -43,9 +42,14 @@ def inspect(folder):
 
 
 def _finding(name, line, text, fatal, doubtful=False):
-    finding = {"file": name + ".py", "line": line, "text": text, "fatal": fatal}
-    # For whoever grades: it may not be all its author's work.
-    return dict(finding, doubtful=doubtful)
+    return {
+        "file": name + ".py",
+        "line": line,
+        "text": text,
+        "fatal": fatal,
+        # For whoever grades: it may not be all its author's work.
+        "doubtful": doubtful,
+    }
 
 
 def _others(folder):
@@ -59,31 +63,14 @@ def _others(folder):
     return sorted(found)
 
 
-def _look_beside(folder, path):
-    """(line, text, fatal) for what is wrong in a file that a module may import."""
+def _look(folder, path):
+    """(line, text, fatal) for what is wrong in one of the two modules, or in a file that they may import, where nothing
+    is fatal: whoever imports it hears of it."""
+    name = path[: -len(".py")]
+    is_module = name in MODULES
     with open(os.path.join(folder, path), "rb") as file:
         source = file.read()
-    try:
-        tree = ast.parse(source, path)
-    except SyntaxError as error:
-        yield (*explaining.syntax_parts(error), False)
-    except ValueError as error:
-        yield None, _no_source(error), False
-    except (MemoryError, RecursionError):
-        pass  # Whoever imports it hears of it.
-    else:
-        yield from _advice(tree, folder)
-
-
-def _no_source(error):
-    return "it is no Python source: {}; save it as UTF-8".format(error)
-
-
-def _look(folder, path, name):
-    """(line, text, fatal) for what is wrong in one module."""
-    with open(path, "rb") as file:
-        source = file.read()
-    if source.lstrip().startswith(b"{") and b'"cells"' in source:
+    if is_module and source.lstrip().startswith(b"{") and b'"cells"' in source:
         text = (
             "it is a notebook: export it as Python (jupyter nbconvert --to script, "
             "or File > Save as .py)"
@@ -92,18 +79,23 @@ def _look(folder, path, name):
         return
     try:
         tree = ast.parse(source, path)
-        compile(source, path, "exec", dont_inherit=True)
+        if is_module:
+            compile(source, path, "exec", dont_inherit=True)
     except SyntaxError as error:
-        yield (*explaining.syntax_parts(error), True)
+        yield (*explaining.syntax_parts(error), is_module)
         return
     except ValueError as error:
-        yield None, _no_source(error), True
+        yield None, "it is no Python source: {}; save it as UTF-8".format(error), is_module
         return
     except (MemoryError, RecursionError) as error:
-        text = "{}: Python cannot read it, because an expression or a block is nested too deeply"
-        yield None, text.format(type(error).__name__), True
+        if is_module:
+            text = (
+                "{}: Python cannot read it, because an expression or a block is nested too deeply"
+            )
+            yield None, text.format(type(error).__name__), True
         return
-    yield from _signature(tree, name)
+    if is_module:
+        yield from _signature(tree, name)
     yield from _advice(tree, folder)
 
 
@@ -230,7 +222,9 @@ def _now(module, name):
         return None if hasattr(collections, name) else "collections.abc." + name
     if module in ("np", "numpy"):
         return older.gone().get(name)
-    return older.gone_windows().get(name) if module == "signal" else None
+    if module == "signal" and name in older.WINDOWS:
+        return older.gone_windows().get(name)
+    return None
 
 
 def _small_types(tree):

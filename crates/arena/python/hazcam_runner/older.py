@@ -11,6 +11,7 @@ import builtins
 import collections
 import collections.abc
 import fractions
+import functools
 import importlib
 import importlib.abc
 import importlib.machinery
@@ -115,6 +116,7 @@ def stands_in(module):
     return name in DRAWING and importlib.util.find_spec(name) is None
 
 
+@functools.lru_cache(maxsize=None)
 def gone():
     """The names that this machine's numpy lacks, with what they are called now."""
     known = {old: now for old, (now, _) in NUMPY_PHRASES.items()}
@@ -122,6 +124,7 @@ def gone():
     return {old: now for old, now in known.items() if old not in numpy.__dict__}
 
 
+@functools.lru_cache(maxsize=None)
 def gone_windows():
     """The windows that this machine's scipy.signal lacks, with what they are called now."""
     if importlib.util.find_spec("scipy") is None:

@@ -172,6 +172,22 @@ pub(super) fn copy_folder(from: &Path, to: &Path) -> Result<(), SubmissionError>
     Ok(())
 }
 
+/// All files below a folder but those of one that is left out, in order.
+pub(super) fn files_below(root: &Path, left_out: Option<&Path>) -> Vec<PathBuf> {
+    let (mut files, mut folders) = (Vec::new(), vec![root.to_owned()]);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if left_out == Some(&path) {
+                continue;
+            }
+            (if path.is_dir() { &mut folders } else { &mut files }).push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
 /// The SHA-256 of all files below a folder, with their names.
 pub(super) fn digest(root: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::contents::shortened;
+use super::contents::{files_below, shortened};
 use super::error::SubmissionError;
 use super::finding::Finding;
 
@@ -86,22 +86,11 @@ fn beside(staging: &Path, root: &Path) -> Option<Finding> {
     if staging == root {
         return None;
     }
-    let mut found = Vec::new();
-    let mut folders = vec![staging.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if path == root {
-                continue;
-            } else if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|end| end == "py") {
-                let name = path.strip_prefix(staging).unwrap_or(&path);
-                found.push(shortened(&name.display().to_string()));
-            }
-        }
-    }
-    found.sort();
+    let files = files_below(staging, Some(root)).into_iter();
+    let sources = files.filter(|path| path.extension().is_some_and(|end| end == "py"));
+    let found: Vec<String> = sources
+        .map(|path| shortened(&path.strip_prefix(staging).unwrap_or(&path).display().to_string()))
+        .collect();
     let file = found.first()?.clone();
     let chosen = root.strip_prefix(staging).unwrap_or(root).display().to_string();
     let lie = match found.len() - 1 {

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use super::contents::shortened;
+use super::contents::{files_below, shortened};
 use super::finding::Finding;
 
 /// Bytes of files that together hold more than a few pages of text or a few numbers, and of sources that nobody wrote by
@@ -18,12 +18,7 @@ const SHOWN: usize = 5;
 /// which could be the truth.
 pub(super) fn besides_its_source(root: &Path) -> Option<Finding> {
     let (mut sources, mut others, mut any_compiled) = (Vec::new(), Vec::new(), false);
-    let mut left = vec![root.to_owned()];
-    while let Some(path) = left.pop() {
-        if path.is_dir() {
-            left.extend(fs::read_dir(&path).into_iter().flatten().flatten().map(|e| e.path()));
-            continue;
-        }
+    for path in files_below(root, None) {
         let bytes = path.metadata().map_or(0, |found| found.len());
         let name = shortened(&path.strip_prefix(root).unwrap_or(&path).display().to_string());
         let is_compiled = is_compiled(&path);
@@ -40,7 +35,7 @@ pub(super) fn besides_its_source(root: &Path) -> Option<Finding> {
         others.clear();
     }
     let mut found = [sources, others].concat();
-    // The largest first; of the same size by name, since folders are listed in any order.
+    // The largest first; of the same size by name.
     found.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
     let file = found.first()?.1.clone();
     let told: Vec<String> = (found.iter().take(SHOWN))

@@ -54,16 +54,15 @@ pub(super) fn is_opencv(entries: &Entries<'_>, text: &str) -> bool {
 
 /// Where the line ends with which OpenCV's YAML begins, if it does. Somebody may have written comments above it.
 fn header(text: &str) -> Option<usize> {
-    let mut end = 0;
+    let mut begin = 0;
     for line in text.split_inclusive('\n') {
-        end += line.trim_end().len();
         if BEGINNINGS.iter().any(|beginning| line.starts_with(beginning)) {
-            return Some(end);
+            return Some(begin + line.trim_end().len());
         }
-        if !line.trim_start().is_empty() && !line.starts_with('#') {
+        if !line.trim().is_empty() && !line.starts_with('#') {
             return None;
         }
-        end += line.len() - line.trim_end().len();
+        begin += line.len();
     }
     None
 }

@@ -63,28 +63,30 @@ pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, Fo
     Ok(Calibration::of(CalibrationLayout::Ros, camera).sized(size))
 }
 
-/// Projection, columns and rows of the first message that is of a right camera, or else of the first one.
-fn right_of_messages(
-    entries: &Entries<'_>,
-    text: &str,
-) -> Result<([f64; 12], [Option<f64>; 2]), FormatError> {
+/// A projection, columns and rows.
+type Projected = ([f64; 12], [Option<f64>; 2]);
+
+/// What the first message says that is of a right camera, or else the first one.
+fn right_of_messages(entries: &Entries<'_>, text: &str) -> Result<Projected, FormatError> {
     // After each message there is a line that parts it from the next.
-    let part = |text: &str| -> Result<([f64; 12], [Option<f64>; 2]), FormatError> {
-        let Message { width, height, p } = yaml::read(entries, text)?;
-        let count = p.len();
-        let right = p.try_into().map_err(|_| {
-            entries.fail(None, format!("`P` has {count} numbers, but a projection of 3 x 4 has 12"))
-        })?;
-        Ok((right, [width, height]))
-    };
     let mut messages = text.split("\n---");
-    let first = part(messages.next().unwrap_or(text))?;
+    let first = projected(entries, messages.next().unwrap_or(text))?;
     if first.0[3] != 0.0 {
         return Ok(first);
     }
     // The last one may be cut off.
-    let others = messages.filter_map(|text| part(text).ok());
-    Ok(others.into_iter().find(|(right, _)| right[3] != 0.0).unwrap_or(first))
+    let mut others = messages.filter_map(|text| projected(entries, text).ok());
+    Ok(others.find(|(right, _)| right[3] != 0.0).unwrap_or(first))
+}
+
+/// What a message says.
+fn projected(entries: &Entries<'_>, text: &str) -> Result<Projected, FormatError> {
+    let Message { width, height, p } = yaml::read(entries, text)?;
+    let count = p.len();
+    let right = p.try_into().map_err(|_| {
+        entries.fail(None, format!("`P` has {count} numbers, but a projection of 3 x 4 has 12"))
+    })?;
+    Ok((right, [width, height]))
 }
 
 #[cfg(test)]

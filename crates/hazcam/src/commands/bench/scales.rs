@@ -64,8 +64,8 @@ impl Scales {
             let Some(&(_, factor)) = suspected.first() else { continue };
             let are_alike = suspected.iter().all(|&(_, other)| other == factor);
             // Who is off everywhere, where others are not, is off by itself.
-            let is_alone = self.engines.len() == 1 || self.others_agree(engine, &suspected);
-            if are_alike && suspected.len() == answers.len() && is_alone && answers.len() > 1 {
+            let is_everywhere = suspected.len() == answers.len() && answers.len() > 1;
+            if are_alike && is_everywhere && self.others_agree(engine, &suspected) {
                 told.push(format!(
                     "{engine}: most of its disparities are bad on all {} scenes, but would not be {}",
                     answers.len(),

@@ -91,10 +91,11 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         Entrant::Submission(submission) => Some(submission.digest()?),
         _ => None,
     };
+    let kept = board.entry_of(owner.name())?;
     if !args.again
-        && let Some(kept) = board.entry_of(owner.name())?
-        && args.stands_as(&kept, handin.as_ref(), &tests)
-        && !has_longer(&kept, workshop.scheme())
+        && let Some(kept) = &kept
+        && args.stands_as(kept, handin.as_ref(), &tests)
+        && !has_longer(kept, workshop.scheme())
     {
         ui.print(&format!(
             "`{}` of {} stands as it is since {}: the same files, the same tests (--again grades them again)\n",
@@ -105,7 +106,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     if let Entrant::Refused(why) = &entrant
-        && let Some(kept) = board.entry_of(owner.name())?
+        && let Some(kept) = &kept
     {
         let stands = format!("{}; the entry `{}` of {}", refused(), kept.secret_id, owner.name());
         return Err(anyhow!("{why}").context(format!("{stands} stays as it is")));
@@ -122,7 +123,7 @@ pub fn run(path: &Path, args: &Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let mut inspection = grader.inspect(&entrant);
     ui.print(&text::findings(&inspection.findings))?;
     // A name that was given by `rename` stays, whatever the next hand-in calls itself.
-    let renamed = match board.entry_of(owner.name())? {
+    let renamed = match kept {
         Some(kept) if given.is_none() && kept.renamed => {
             // Whose a file is that is only called alike its content tells.
             let is_owners = matches!(owner, Owner::Given(_)) || kept.handin == handin;
