@@ -41,6 +41,8 @@ pub enum Ingredient {
     RightChoices,
     /// All rounds of choices but the first.
     FurtherChoices,
+    /// Pixels moved onto the plane of their neighbours.
+    PlaneSmoothing,
     /// Fractions of a pixel mended by least squares on the images.
     LeastSquares,
     /// The median of 5 x 5 pixels.
@@ -52,7 +54,7 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// In the order of the stages.
-const BALANCED: [Ingredient; 15] = [
+const BALANCED: [Ingredient; 16] = [
     VerticalAlignment,
     NoiseSmoothing,
     Gradient,
@@ -65,6 +67,7 @@ const BALANCED: [Ingredient; 15] = [
     PlaneFill,
     LearnedChoice,
     FurtherChoices,
+    PlaneSmoothing,
     LeastSquares,
     Median,
     PathMargin,
@@ -72,7 +75,7 @@ const BALANCED: [Ingredient; 15] = [
 
 /// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
 /// and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 17] = [
+const BEST: [Ingredient; 18] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
@@ -87,6 +90,7 @@ const BEST: [Ingredient; 17] = [
     LearnedChoice,
     RightChoices,
     FurtherChoices,
+    PlaneSmoothing,
     LeastSquares,
     Median,
     PathMargin,
@@ -196,6 +200,11 @@ impl Ingredient {
                 "further-choices",
                 "more rounds of choices, by judges taught after the first: four, in best five",
                 "one round",
+            ),
+            PlaneSmoothing => (
+                "plane-smoothing",
+                "pixels move onto the plane that their neighbours lie on",
+                "the map as paths and choices leave it",
             ),
             LeastSquares => (
                 "least-squares",

@@ -33,6 +33,7 @@ use crate::refinement::columns_between;
 use crate::refinement::least_squares::{self, LeastSquares};
 use crate::refinement::outside;
 use crate::refinement::plane_fill::fill;
+use crate::refinement::plane_smoothing;
 use crate::refinement::repetition::Repetition;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
@@ -44,6 +45,9 @@ use crate::selection::winner::Winners;
 /// apart, or if there are no others to compare it with, at the end of the right image. Where only three disparities
 /// are tried, one of its neighbours' sums must be larger by as much.
 const UNIQUE: u16 = 2;
+/// How much paths press the fractions of `best` towards whole disparities; those of `balanced`, whose matched pixels
+/// stand for four, they do not.
+const LOCKING: f32 = 0.5;
 /// So many pixels around the box are matched too: what lies beside a pixel helps to match it.
 const SURROUNDINGS: usize = 32;
 /// Descriptors find something nearly everywhere: a pixel in doubt with less confidence stays a hole.
@@ -201,7 +205,8 @@ impl SemiGlobalMatching {
     ) -> Work {
         let Search { ingredients, level, rows, bands, .. } = search;
         let doubtful = ingredients.has(Ingredient::Descriptors).then_some(&self.doubtful);
-        let sub_pixel = ingredients.has(Ingredient::SubPixel);
+        let locking = if self.preset == Preset::Best { LOCKING } else { 0.0 };
+        let sub_pixel = ingredients.has(Ingredient::SubPixel).then_some(locking);
         let least_margin = if ingredients.has(Ingredient::Uniqueness) { UNIQUE } else { 0 };
         let middle = SemiGlobal::middle(rows.count);
         let left = self.left.map.values.samples_mut().split_at_mut(middle * space.columns());
@@ -357,6 +362,11 @@ impl SemiGlobalMatching {
     ) {
         let Search { ingredients, level, grey, rows, width, range, .. } = search;
         let View { map: left, filled, steps, .. } = &mut self.left;
+        if space.count > 0 && ingredients.has(Ingredient::PlaneSmoothing) {
+            let scratch = &mut self.right.map.values;
+            let smoothed = plane_smoothing::smooth(level, space.apart, range, filled, scratch);
+            profile.end("plane smoothing", smoothed);
+        }
         let (values, reasons, confidence) = if space.apart > 1 {
             let matched = columns_between::Matched {
                 values: filled,

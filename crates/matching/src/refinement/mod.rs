@@ -5,6 +5,7 @@
 //! | `groups` | speckles: groups of pixels that are too small (Hirschmüller 2008) |
 //! | `row_fill`, `plane_fill`, `plane_fit` | holes: from one end to the other, or the background along its plane |
 //! | `choice` | pixels take the plane around them that a learned network expects to be off by the least |
+//! | `plane_smoothing` | staircases: the plane that the neighbours lie on |
 //! | `least_squares` | the fraction of a pixel (Lucas & Kanade 1981) |
 //! | `columns_between`, `rows_between` | what lies between the matched ones |
 //! | `median`, `median_in_steps` | what stands alone |
@@ -21,6 +22,7 @@ pub(crate) mod median_in_steps;
 pub(crate) mod outside;
 pub(crate) mod plane_fill;
 pub(crate) mod plane_fit;
+pub(crate) mod plane_smoothing;
 pub(crate) mod repetition;
 pub(crate) mod row_fill;
 pub(crate) mod rows_between;

@@ -19,8 +19,8 @@ const FEW: usize = 3;
 pub(crate) struct Selection<'a> {
     pub level: Level,
     pub space: &'a SearchSpace,
-    /// Whether disparities have fractions.
-    pub sub_pixel: bool,
+    /// How much [pixel locking](unlocked) to take out of fractions; without it disparities have none.
+    pub sub_pixel: Option<f32>,
     /// Winners of the left view with a smaller margin are no matches; of [`FEW`] disparities those that no
     /// other one exceeds by as much.
     pub least_margin: u16,
@@ -133,15 +133,24 @@ impl Found {
 
     /// The disparities in pixels, NaN where there is none.
     #[inline(always)]
-    fn in_pixels(&self, min: i32, sub_pixel: bool, out: &mut [f32; BLOCK]) {
+    fn in_pixels(&self, min: i32, sub_pixel: Option<f32>, out: &mut [f32; BLOCK]) {
         let [before, least, after] = &self.sums;
+        let (has_fraction, locking) = (sub_pixel.is_some(), sub_pixel.unwrap_or_default());
         for i in 0..BLOCK {
             let tip = tip_of_v(f32::from(before[i]), f32::from(least[i]), f32::from(after[i]));
             let whole = (min + i32::from(self.disparity[i])) as f32;
-            let value = whole + if sub_pixel { tip } else { 0.0 };
+            let value = whole + if has_fraction { unlocked(tip, locking) } else { 0.0 };
             out[i] = if self.is_match[i] { value } else { f32::NAN };
         }
     }
+}
+
+/// A fraction of a pixel, from -1/2 to 1/2, without pixel locking. Penalties for changes of disparity make the V around
+/// the winner steeper on both sides: its tip comes nearer to the whole disparity than it should. A curve takes it back,
+/// which leaves alone where that is right, at 0 and at a half; at 1 it goes twice as far from 0.
+#[inline(always)]
+fn unlocked(tip: f32, locking: f32) -> f32 {
+    tip + locking * tip * (1.0 - 2.0 * tip.abs())
 }
 
 at_every_level! {
@@ -149,7 +158,7 @@ at_every_level! {
     /// `least_margin` are no matches.
     fn left_row(
         space: &SearchSpace,
-        sub_pixel: bool,
+        sub_pixel: Option<f32>,
         least_margin: u16,
         sums: &[u16],
         winners: (&[Key], &[u16]),
@@ -184,7 +193,7 @@ at_every_level! {
     /// The disparities of a row of the right view, as it looks in a mirror.
     fn right_row(
         space: &SearchSpace,
-        sub_pixel: bool,
+        sub_pixel: Option<f32>,
         sums: &[u16],
         winners: &[Key],
         values: &mut [f32],
@@ -223,7 +232,8 @@ mod tests {
         let (space, winners) = (selection.space, &selection.winners);
         let sum = |column: usize, k: usize| f32::from(sums[column * space.lanes + k]);
         let value = |k: usize, tip: f32| {
-            (space.min + k as i32) as f32 + if selection.sub_pixel { tip } else { 0.0 }
+            let fraction = selection.sub_pixel.map(|locking| unlocked(tip, locking));
+            (space.min + k as i32) as f32 + fraction.unwrap_or_default()
         };
         let known = winners.left.iter().zip(&winners.margins);
         let left = known.enumerate().map(|(x, (winner, &margin))| {
@@ -270,7 +280,9 @@ mod tests {
             let pairs = spaces[0].columns() * spaces[0].lanes;
             let many = if range.count() > 3 { 400 } else { 4 };
             let sums: Vec<u16> = (0..pairs).map(|_| random(many)).collect();
-            let cases = spaces.iter().flat_map(|space| [(space, true), (space, false)]);
+            let fractions = [None, Some(0.0), Some(0.5)];
+            let cases =
+                spaces.iter().flat_map(|space| fractions.map(|sub_pixel| (space, sub_pixel)));
             let levels = Level::available().into_iter();
             for (level, (space, sub_pixel)) in
                 levels.flat_map(|l| cases.clone().map(move |case| (l, case)))
