@@ -79,24 +79,28 @@ at_every_level! {
             let [mut offset, mut along, mut down, mut count] = [[0.0; LANES]; 4];
             for nearness in NEAR {
                 let sums = sums::<STEP>(nearness, &seen, &here, [&offset, &along, &down]);
+                let [n, x, y, xx, xy, yy, z, xz, yz] = sums;
+                count = n;
                 for i in 0..LANES {
-                    let [n, x, y, xx, xy, yy, z, xz, yz] = sums.map(|sum| sum[i]);
-                    let share = 1.0 / n.max(1.0);
-                    let (xx, yy) = (xx - x * x * share + RIDGE, yy - y * y * share + RIDGE);
-                    let (xy, xz, yz) =
-                        (xy - x * y * share, xz - x * z * share, yz - y * z * share);
+                    let share = 1.0 / n[i].max(1.0);
+                    let xx = xx[i] - x[i] * x[i] * share + RIDGE;
+                    let yy = yy[i] - y[i] * y[i] * share + RIDGE;
+                    let xy = xy[i] - x[i] * y[i] * share;
+                    let xz = xz[i] - x[i] * z[i] * share;
+                    let yz = yz[i] - y[i] * z[i] * share;
                     let inverse = 1.0 / (xx * yy - xy * xy);
                     along[i] = (xz * yy - yz * xy) * inverse;
                     down[i] = (yz * xx - xz * xy) * inverse;
-                    offset[i] = (z - along[i] * x - down[i] * y) * share;
-                    count[i] = n;
+                    offset[i] = (z[i] - along[i] * x[i] - down[i] * y[i]) * share;
                 }
             }
-            for (i, out) in out.iter_mut().enumerate() {
+            let mut moved = [0.0; LANES];
+            for i in 0..LANES {
                 let moves = (count[i] >= ENOUGH) & (offset[i].abs() <= FARTHEST);
                 let shift = if moves { offset[i] } else { 0.0 };
-                *out = (here[i] + shift).clamp(least, most);
+                moved[i] = (here[i] + shift).clamp(least, most);
             }
+            out.copy_from_slice(&moved[..out.len()]);
         }
     }
 }
