@@ -19,6 +19,8 @@ pub enum Ingredient {
     AdaptiveP2,
     /// Learned descriptors in the cost.
     Descriptors,
+    /// Descriptors that do not count where there is nothing but noise.
+    NoiseCheck,
     /// Paths that follow fitted planes.
     SurfacePrior,
     /// The last of the runs that follow planes.
@@ -75,11 +77,12 @@ const BALANCED: [Ingredient; 16] = [
 
 /// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
 /// and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 18] = [
+const BEST: [Ingredient; 19] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
     Descriptors,
+    NoiseCheck,
     SurfacePrior,
     LastSurfaceRun,
     SubPixel,
@@ -145,6 +148,11 @@ impl Ingredient {
                 "descriptors",
                 "learned descriptors in the costs, counting more for pixels that found no match",
                 "census and gradient alone",
+            ),
+            NoiseCheck => (
+                "noise-check",
+                "descriptors do not count where grey varies no more than noise does",
+                "they count everywhere",
             ),
             SurfacePrior => (
                 "surface-prior",

@@ -210,15 +210,24 @@ impl FeaturePair {
     }
 
     /// The costs over the search space that the features were computed for; with descriptors where it
-    /// is told which pixels are `doubtful`.
+    /// is told for which pixels they count.
     pub fn costs<'a>(
         &'a self,
         level: Level,
         space: &'a SearchSpace,
-        doubtful: Option<&'a Plane<bool>>,
+        described: Option<Described<'a>>,
     ) -> CensusGradientRows<'a> {
-        CensusGradientRows { level, features: self, space, doubtful }
+        CensusGradientRows { level, features: self, space, described }
     }
+}
+
+/// For which pixels descriptors count.
+#[derive(Clone, Copy)]
+pub(crate) struct Described<'a> {
+    /// For these they do not.
+    pub plain: &'a Plane<bool>,
+    /// For these they count the more, the plain ones excepted.
+    pub doubtful: &'a Plane<bool>,
 }
 
 /// The costs of the rows of a box.
@@ -226,7 +235,7 @@ pub(crate) struct CensusGradientRows<'a> {
     level: Level,
     features: &'a FeaturePair,
     space: &'a SearchSpace,
-    doubtful: Option<&'a Plane<bool>>,
+    described: Option<Described<'a>>,
 }
 
 at_every_level! {
@@ -235,7 +244,7 @@ at_every_level! {
         features: &FeaturePair,
         space: &SearchSpace,
         y: usize,
-        doubtful: Option<&[bool]>,
+        described: Option<[&[bool]; 2]>,
         costs: &mut [u8],
     ) {
         let FeaturePair { left, right, .. } = features;
@@ -252,9 +261,10 @@ at_every_level! {
             let words = &words[place..place + space.lanes];
             let steps = &steps[place..place + space.lanes];
             let (word, step) = (left_words[x], left_steps[x]);
-            let weights = match doubtful {
+            let weights = match described {
                 None => &CENSUS,
-                Some(doubtful) if doubtful[x] => &DOUBTFUL,
+                Some([plain, _]) if plain[x] => &CENSUS,
+                Some([_, doubtful]) if doubtful[x] => &DOUBTFUL,
                 Some(_) => &CERTAIN,
             };
             add_up(instructions, &weights.census, (word, words), (step, steps), costs);
@@ -339,8 +349,9 @@ impl CostRows for CensusGradientRows<'_> {
     }
 
     fn fill_row(&self, y: usize, costs: &mut [u8]) {
-        let doubtful = self.doubtful.map(|doubtful| doubtful.row(y));
-        row_costs(self.level, self.features, self.space, y, doubtful, costs);
+        let described =
+            self.described.map(|Described { plain, doubtful }| [plain.row(y), doubtful.row(y)]);
+        row_costs(self.level, self.features, self.space, y, described, costs);
     }
 }
 
@@ -380,9 +391,11 @@ mod tests {
             let range = DisparityRange::new(range.0, range.1).unwrap();
             let bounds = BoundingBox::new(columns.0, 1, columns.1, 5).unwrap();
             let doubtful = Plane::from_fn(bounds.columns(), 5, |x, y| (x + y) % 3 == 0);
+            let plain = Plane::from_fn(bounds.columns(), 5, |x, y| (x + y) % 4 == 0);
             // Descriptors are of all columns and rows.
-            let kinds = [(1, None), (1, Some(&doubtful)), (2, None)];
-            for (level, (apart, doubtful)) in
+            let described = Described { plain: &plain, doubtful: &doubtful };
+            let kinds = [(1, None), (1, Some(described)), (2, None)];
+            for (level, (apart, described)) in
                 Level::available().into_iter().flat_map(|l| kinds.map(|kind| (l, kind)))
             {
                 eprintln!("level {}", level.name());
@@ -393,16 +406,18 @@ mod tests {
                 if !pairs {
                     pair.describe(level, views.map(|(view, _)| view), &space, 1);
                 }
-                let costs_of_rows = pair.costs(level, &space, doubtful);
+                let costs_of_rows = pair.costs(level, &space, described);
                 let mut costs = vec![0; space.columns() * space.lanes];
                 for y in 0..rows.count {
                     let image_row = rows.in_image(y);
                     costs_of_rows.fill_row(y, &mut costs);
                     for (x, costs) in costs.chunks_exact(space.lanes).enumerate() {
-                        let weights = match doubtful.map(|doubtful| doubtful.row(y)[x]) {
-                            None => &CENSUS,
-                            Some(false) => &CERTAIN,
-                            Some(true) => &DOUBTFUL,
+                        let states =
+                            described.map(|of| (of.plain.row(y)[x], of.doubtful.row(y)[x]));
+                        let weights = match states {
+                            None | Some((true, _)) => &CENSUS,
+                            Some((false, false)) => &CERTAIN,
+                            Some((false, true)) => &DOUBTFUL,
                         };
                         let x = space.in_image(x);
                         for (k, &cost) in costs[..space.count].iter().enumerate() {

@@ -7,6 +7,7 @@ pub(crate) mod gradient;
 pub(crate) mod grey;
 mod histogram;
 pub(crate) mod noise;
+pub(crate) mod plain;
 pub(crate) mod prefilter;
 pub(crate) mod smoothing;
 pub(crate) mod texture;

@@ -94,7 +94,8 @@ impl Needs {
         let features = (4 + 1) * places;
         let descriptors = match ingredients.has(Ingredient::Descriptors) {
             false => 0,
-            true => 8 * places + part + Descriptors::bytes(width),
+            // Beside them, which pixels are plain and which in doubt.
+            true => 8 * places + 2 * part + Descriptors::bytes(width),
         };
         // Disparities, reasons and confidence of the left view, filled, its groups, and its fixed point with the
         // columns between. The right view and the disparities between have the memory of the answer.

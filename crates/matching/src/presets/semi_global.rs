@@ -17,7 +17,7 @@ use super::view::{Search, View, in_steps};
 use super::widened::widened;
 use crate::Preset;
 use crate::allowance::Allowance;
-use crate::cost::census_gradient::FeaturePair;
+use crate::cost::census_gradient::{Described, FeaturePair};
 use crate::cost::{MatchedRows, SearchSpace};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::every::take_every;
@@ -27,6 +27,7 @@ use crate::optimization::semi_global::SemiGlobal;
 use crate::optimization::surface_prior::SurfacePrior;
 use crate::prepare::alignment::VerticalDisparity;
 use crate::prepare::grey::GreyView;
+use crate::prepare::plain;
 use crate::profile::{Profile, Work};
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::columns_between;
@@ -71,6 +72,8 @@ pub(crate) struct SemiGlobalMatching {
     features: FeaturePair,
     /// The grey of what is matched, whose steps the penalties go by.
     guide: Plane<u8>,
+    /// Pixels of the left view that show nothing but noise.
+    plain: Plane<bool>,
     /// Pixels of the left view that both cameras should see and that no run has matched so far.
     doubtful: Plane<bool>,
     optimizer: SemiGlobal,
@@ -114,6 +117,7 @@ impl SemiGlobalMatching {
             flat: Plane::default(),
             features: FeaturePair::default(),
             guide: Plane::default(),
+            plain: Plane::default(),
             doubtful: Plane::default(),
             optimizer: SemiGlobal::default(),
             prior: SurfacePrior::default(),
@@ -165,7 +169,7 @@ impl SemiGlobalMatching {
         confidence: &mut [f32],
         profile: &mut Profile,
     ) {
-        let Search { ingredients, level, grey, work, rows, width, .. } = search;
+        let Search { ingredients, level, grey, noise, work, rows, width, .. } = search;
         let stepped = match ingredients.has(Ingredient::Gradient) {
             true => grey,
             false => {
@@ -179,7 +183,9 @@ impl SemiGlobalMatching {
         if ingredients.has(Ingredient::Descriptors) {
             self.doubtful.reset(space.columns(), rows.count, false);
             let described = self.features.describe(level, views, space, work.y0);
-            profile.end("descriptors", described);
+            let noise = if ingredients.has(Ingredient::NoiseCheck) { noise } else { 0.0 };
+            let checked = plain::find(level, grey[0], noise, work, &mut self.plain);
+            profile.end("descriptors", described + checked);
         }
         profile.end(PATHS, self.optimize(space, search, confidence, false));
         if ingredients.has(Ingredient::SurfacePrior) {
@@ -204,7 +210,8 @@ impl SemiGlobalMatching {
         follow: bool,
     ) -> Work {
         let Search { ingredients, level, rows, bands, .. } = search;
-        let doubtful = ingredients.has(Ingredient::Descriptors).then_some(&self.doubtful);
+        let described = Described { plain: &self.plain, doubtful: &self.doubtful };
+        let described = ingredients.has(Ingredient::Descriptors).then_some(described);
         let locking = if self.preset == Preset::Best { LOCKING } else { 0.0 };
         let sub_pixel = ingredients.has(Ingredient::SubPixel).then_some(locking);
         let least_margin = if ingredients.has(Ingredient::Uniqueness) { UNIQUE } else { 0 };
@@ -233,7 +240,7 @@ impl SemiGlobalMatching {
         });
         let paths = self.optimizer.run(
             level,
-            &self.features.costs(level, space, doubtful),
+            &self.features.costs(level, space, described),
             self.guide.view(),
             follow.then_some(&self.prior),
             &search.penalties,
@@ -478,6 +485,7 @@ impl Pipeline for SemiGlobalMatching {
             level,
             left: views[0],
             grey,
+            noise,
             work,
             rows,
             bands,

@@ -27,6 +27,8 @@ pub(super) struct Search<'a> {
     pub left: GreyView<'a>,
     /// The upper 8 bits of both images.
     pub grey: [raster::View<'a, u8>; 2],
+    /// The standard deviation of the noise in them, in grey levels.
+    pub noise: f32,
     /// The part of the left image that is matched.
     pub work: BoundingBox,
     /// Those of its rows that are.
