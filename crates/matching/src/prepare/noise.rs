@@ -20,6 +20,8 @@ use crate::profile::Work;
 const EVERY: usize = 4;
 /// Of a normal distribution a quarter lies within so many standard deviations.
 const QUARTER: f32 = 0.3186;
+/// The standard deviation of responses to noise of standard deviation 1.
+pub(super) const GAIN: f32 = 6.0;
 /// The largest response.
 const LARGEST: usize = 8 * 255;
 
@@ -36,15 +38,18 @@ pub(crate) fn noise(grey: View<'_, u8>) -> f32 {
     for y in (1..last).step_by(EVERY) {
         let [above, here, below] = [y - 1, y, y + 1].map(|y| grey.row(y).windows(3));
         for ((above, here), below) in above.zip(here).zip(below) {
-            let response = across(above) - 2 * across(here) + across(below);
-            pixels_with[response.unsigned_abs() as usize] += 1;
+            pixels_with[response([above, here, below]).unsigned_abs() as usize] += 1;
         }
     }
-    quantile(&pixels_with, 0.25) / (6.0 * QUARTER)
+    quantile(&pixels_with, 0.25) / (GAIN * QUARTER)
 }
 
-fn across(three: &[u8]) -> i32 {
-    i32::from(three[0]) - 2 * i32::from(three[1]) + i32::from(three[2])
+/// The mask's response to three rows of three pixels.
+#[inline(always)]
+pub(super) fn response(rows: [&[u8]; 3]) -> i32 {
+    let [above, here, below] =
+        rows.map(|three| i32::from(three[0]) - 2 * i32::from(three[1]) + i32::from(three[2]));
+    above - 2 * here + below
 }
 
 #[cfg(test)]

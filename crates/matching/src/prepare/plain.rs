@@ -11,6 +11,7 @@ use std::ops::Range;
 use raster::{BoundingBox, Plane, View};
 use rayon::prelude::*;
 
+use super::noise::{GAIN, response};
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
@@ -23,8 +24,8 @@ const SEEN: usize = BLOCK + 2 * REACH;
 /// noise is seven times in ten.
 const OF_WINDOW: f32 = 1.2;
 const OF_IMAGE: f32 = 1.69;
-/// A response of the mask to noise of standard deviation 1, squared, in the mean.
-const OF_MASK: f32 = 36.0;
+/// The square of the mask's response to noise of standard deviation 1, in the mean.
+const OF_MASK: f32 = GAIN * GAIN;
 
 /// Operations on bytes per pixel: per row of the window a sum, a square and a response of the mask, squared, on numbers
 /// of 32 bits; sums along the row.
@@ -74,8 +75,7 @@ at_every_level! {
                 let rows = above.windows(3).zip(here.windows(3)).zip(below.windows(3));
                 let places = &mut masked[seen.start + REACH - start..];
                 for (masked, ((above, here), below)) in places.iter_mut().zip(rows) {
-                    let response = across(above) - 2 * across(here) + across(below);
-                    *masked += response.unsigned_abs().pow(2);
+                    *masked += response([above, here, below]).unsigned_abs().pow(2);
                 }
             }
             let [sum, square, masked] = [sum, square, masked].map(|sums| along(&sums));
@@ -104,11 +104,6 @@ fn window(at: usize, all: Range<usize>) -> Range<usize> {
 #[inline(always)]
 fn inner(end: usize) -> Range<usize> {
     1..end.saturating_sub(1)
-}
-
-#[inline(always)]
-fn across(three: &[u8]) -> i32 {
-    i32::from(three[0]) - 2 * i32::from(three[1]) + i32::from(three[2])
 }
 
 /// Sums over the windows of the columns of a block.

@@ -24,6 +24,7 @@ use raster::{DisparityRange, Plane, Reason, View};
 use rayon::prelude::*;
 
 use crate::cost::MatchedRows;
+use crate::kernels::border::around;
 use crate::kernels::cubic::cubic;
 use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::rounding::{as_number, nearest};
@@ -225,7 +226,7 @@ at_every_level! {
                 *is_matched = *reason == Reason::Matched;
             }
             // With a neighbour to each side; beyond the row there is none.
-            let disparities = around(values, start, f32::NAN);
+            let disparities: [f32; BLOCK + 2] = around(values, start, 1, f32::NAN);
             // Where in the right image, and which part of a column further on.
             let (mut columns, mut parts) = ([1u32; BLOCK], [0.0; BLOCK]);
             let mut is_match = [0i16; BLOCK];
@@ -248,7 +249,8 @@ at_every_level! {
                 let row = right.get(column as usize - 1..).unwrap_or_default();
                 *samples = row.first_chunk().map_or(0, |four| u32::from_le_bytes(*four));
             }
-            let grey = around(left, first + start, 0).map(f32::from);
+            let grey: [u8; BLOCK + 2] = around(left, first + start, 1, 0);
+            let grey = grey.map(f32::from);
             let (mut error, mut slope) = ([0i16; BLOCK], [0i16; BLOCK]);
             for i in 0..BLOCK {
                 let four = [0, 8, 16, 24].map(|bits| (samples[i] >> bits & 255) as f32);
@@ -312,19 +314,6 @@ at_every_level! {
             }
         }
     }
-}
-
-/// A block of a row from a column on, with a neighbour to each side; beyond the row there is `nothing`.
-#[inline(always)]
-fn around<T: Copy>(row: &[T], start: usize, nothing: T) -> [T; BLOCK + 2] {
-    if let Some(around) = start.checked_sub(1).and_then(|before| row[before..].first_chunk()) {
-        return *around;
-    }
-    let mut around = [nothing; BLOCK + 2];
-    let before = start.saturating_sub(1);
-    let row = &row[before..row.len().min(start + BLOCK + 1)];
-    around[before + 1 - start..][..row.len()].copy_from_slice(row);
-    around
 }
 
 /// Adds a row to sums down the columns, or takes it away.

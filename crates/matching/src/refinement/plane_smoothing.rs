@@ -12,6 +12,7 @@
 use raster::{DisparityRange, Plane};
 use rayon::prelude::*;
 
+use crate::kernels::border::around;
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 
@@ -73,7 +74,7 @@ at_every_level! {
     fn smooth_row<const STEP: usize>(rows: &[&[f32]; SIDE], range: [f32; 2], out: &mut [f32]) {
         let [least, most] = range;
         for (start, out) in (0..).step_by(LANES).zip(out.chunks_mut(LANES)) {
-            let seen = rows.map(|row| around(row, start));
+            let seen = rows.map(|row| around(row, start, REACH, BEYOND));
             let here: [f32; LANES] = std::array::from_fn(|i| seen[RADIUS][REACH + i]);
             // The plane, from the disparity here, and how many lie on it.
             let [mut offset, mut along, mut down, mut count] = [[0.0; LANES]; 4];
@@ -144,21 +145,6 @@ fn sums<const STEP: usize>(
         }
     }
     all
-}
-
-/// A block of a row from a column on, with its neighbours to both sides.
-#[inline(always)]
-fn around(row: &[f32], start: usize) -> [f32; LANES + 2 * REACH] {
-    if let Some(around) =
-        start.checked_sub(REACH).and_then(|before| row.get(before..)?.first_chunk())
-    {
-        return *around;
-    }
-    let mut around = [BEYOND; LANES + 2 * REACH];
-    let before = start.saturating_sub(REACH);
-    let row = &row[before.min(row.len())..row.len().min(start + LANES + REACH)];
-    around[before + REACH - start..][..row.len()].copy_from_slice(row);
-    around
 }
 
 #[cfg(test)]
