@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
-use crate::refinement::plane_fit::{self, FINE, Surface};
+use crate::refinement::plane_fit::Surface;
 
 /// Pixels that share a plane: a square with this side.
 const CELL: usize = 4;
@@ -48,7 +48,7 @@ impl SurfacePrior {
                 let x = middle(u, columns);
                 let hole = checked.row(y)[x].is_nan();
                 let nothing = Surface { disparity: f32::NAN, ..Surface::default() };
-                *cell = if hole { nothing } else { Surface::fit::<FINE>(level, checked, x, y) };
+                *cell = if hole { nothing } else { Surface::fit(level, checked, x, y) };
             }
         });
         self.surfaces.reshape(columns, rows, Surface::default());
@@ -72,7 +72,7 @@ impl SurfacePrior {
         let cells = self.cells.samples();
         let fits = cells.iter().filter(|cell| !cell.disparity.is_nan()).count();
         Work::bytes(maps + 2 * size_of_val(cells) + self.bytes())
-            + Work::operations(plane_fit::operations(FINE)) * fits
+            + Work::operations(Surface::OPERATIONS) * fits
     }
 
     /// Bytes of the surfaces of all pixels.

@@ -7,7 +7,7 @@
 //!   occluded), and at the ends of a row, both ends are continued along their planes, since a wall
 //!   that is seen at an angle goes on at this angle; a mismatched pixel takes the value as it is.
 //!
-//! The plane at a hole's end is a robust fit ([`Surface::fit`]). Rows without any value take those of
+//! The plane at a hole's end is a robust fit ([`Surface::along`]). Rows without any value take those of
 //! the nearest row.
 
 use std::ops::Range;
@@ -15,7 +15,7 @@ use std::ops::Range;
 use raster::{DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
-use super::plane_fit::{self, COARSE, Surface};
+use super::plane_fit::Surface;
 use super::row_fill::{copy_nearest_rows, filled};
 use crate::ingredient::{Ingredient, Ingredients};
 use crate::kernels::level::Level;
@@ -96,7 +96,7 @@ impl Hole {
             if end.value - reach > highest {
                 break;
             }
-            let slope = Surface::fit::<COARSE>(level, values, end.column, y).along;
+            let slope = Surface::along(level, values, end.column, y);
             end.slope = slope.clamp(-steepest, steepest);
             highest = end.value + end.slope.abs() * self.columns.len() as f32;
             fits += 1;
@@ -180,8 +180,7 @@ pub(crate) fn fill(
             *reason = filled(width, x, value, *reason);
         }
     });
-    Work::bytes(2 * size_of_val(out.samples()))
-        + Work::operations(plane_fit::operations(COARSE)) * fits
+    Work::bytes(2 * size_of_val(out.samples())) + Work::operations(Surface::OPERATIONS_ALONG) * fits
 }
 
 #[cfg(test)]

@@ -1,4 +1,8 @@
 //! The plane that a pixel of a disparity map lies on.
+//!
+//! A fit finds what is near its first guess, and from a flat one none that is steep: a few columns away that lies
+//! beyond all outliers. So a second fit begins at the medians of the slopes around the pixel, and is believed where
+//! half as many samples more lie on it.
 
 use std::ops::Range;
 
@@ -9,14 +13,18 @@ use crate::kernels::level::{Level, at_every_level};
 /// Half the window of a plane fit, in pixels.
 const RADIUS: usize = 20;
 /// How far its samples stand apart: where the plane itself is wanted, and where its slope is enough.
-pub(crate) const FINE: usize = 2;
-pub(crate) const COARSE: usize = 3;
+const FINE: usize = 2;
+const COARSE: usize = 3;
 /// Pulls slopes of small supports towards zero: added to the variance of the columns.
 const RIDGE: f32 = 5.0;
 /// Samples farther from the plane than this do not count, in pixels.
 const OUTLIER: f32 = 1.5;
 /// A fit with less support keeps what it has.
 const LEAST_SUPPORT: f32 = 5.0;
+/// Slopes whose median is a first guess go over so many pixels, which takes out what noise and whole disparities do.
+const APART: usize = 12;
+/// A plane from there must have so many times the support of the one from a flat guess.
+const MORE: f32 = 1.5;
 
 /// A plane through a pixel: its disparity there, and the change per column and per row.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -46,31 +54,100 @@ const fn reach(step: usize) -> usize {
 
 /// Operations on bytes per fit: four rounds, which all take but those with hardly any support, of 29 of
 /// 32 bits for each place of the window.
-pub(crate) const fn operations(step: usize) -> usize {
+const fn operations(step: usize) -> usize {
     4 * 29 * 4 * side(step) * side(step)
 }
 
 impl Surface {
+    /// Operations on bytes of [`Surface::fit`] and of [`Surface::along`].
+    pub const OPERATIONS: usize = operations(FINE);
+    pub const OPERATIONS_ALONG: usize = operations(COARSE);
+
     /// The surface that pixel `(x, y)`, which must have a value, lies on: a plane is fitted to the
     /// disparities around it, four times, each time to those near the plane before (Tukey's
-    /// biweight: Beaton & Tukey, Technometrics 1974). NaN values do not count. Every `STEP`th column
-    /// and row is looked at, [`FINE`] or [`COARSE`].
-    pub fn fit<const STEP: usize>(level: Level, values: &Plane<f32>, x: usize, y: usize) -> Self {
-        const { assert!(side(STEP) <= SIDE) };
+    /// biweight: Beaton & Tukey, Technometrics 1974). NaN values do not count.
+    pub fn fit(level: Level, values: &Plane<f32>, x: usize, y: usize) -> Self {
+        let plane = steeper(level, &Window::<FINE>::around(values, x, y), [ALONG, DOWN]);
+        Self { disparity: values.row(y)[x] + plane.disparity, ..plane }
+    }
+
+    /// The slope of that surface along the row, by fewer samples. How it leans the other way is not guessed: far away,
+    /// where this leads, a road must not lean sideways by what noise left of the guess.
+    pub fn along(level: Level, values: &Plane<f32>, x: usize, y: usize) -> f32 {
+        steeper(level, &Window::<COARSE>::around(values, x, y), [ALONG]).along
+    }
+}
+
+/// The plane that has the most support: from a flat guess, or from slopes in these directions.
+fn steeper<const STEP: usize, const N: usize>(
+    level: Level,
+    window: &Window<STEP>,
+    directions: [[usize; 2]; N],
+) -> Surface {
+    let (flat, support) = fit_window::<STEP>(level, &window.samples, Surface::default());
+    // No plane has more support than there are samples.
+    if window.count as f32 <= MORE * support {
+        return flat;
+    }
+    let mut guess = Surface::default();
+    for direction in directions {
+        let slope = window.median_slope(direction);
+        guess.along += slope * direction[0] as f32;
+        guess.down += slope * direction[1] as f32;
+    }
+    let (steep, more) = fit_window::<STEP>(level, &window.samples, guess);
+    if more > MORE * support { steep } else { flat }
+}
+
+/// Directions, in columns and rows.
+const ALONG: [usize; 2] = [1, 0];
+const DOWN: [usize; 2] = [0, 1];
+
+/// Disparities around a pixel, every `STEP`th of every so many-th row, above the pixel's own.
+struct Window<const STEP: usize> {
+    samples: [[f32; PADDED]; SIDE],
+    /// How many there are.
+    count: usize,
+}
+
+impl<const STEP: usize> Window<STEP> {
+    /// That of a pixel with a value.
+    fn around(values: &Plane<f32>, x: usize, y: usize) -> Self {
+        const { assert!(side(STEP) <= SIDE && APART.is_multiple_of(STEP)) };
         let (columns, rows) = values.size();
         let here = values.row(y)[x];
-        // Disparities above this one's, by their place in the window.
-        let mut window = [[HOLE; PADDED]; SIDE];
+        let mut samples = [[HOLE; PADDED]; SIDE];
+        let mut count = 0;
         let (across, down) = (samples_inside(STEP, x, columns), samples_inside(STEP, y, rows));
         let first = x + STEP * across.start - reach(STEP);
         for j in down {
             let row = values.row(y + STEP * j - reach(STEP))[first..].iter().step_by(STEP);
-            for (sample, &value) in window[j][across.clone()].iter_mut().zip(row) {
+            for (sample, &value) in samples[j][across.clone()].iter_mut().zip(row) {
                 *sample = if value.is_nan() { HOLE } else { value - here };
+                count += usize::from(!value.is_nan());
             }
         }
-        let plane = fit_window::<STEP>(level, &window);
-        Self { disparity: here + plane.disparity, ..plane }
+        Self { samples, count }
+    }
+
+    /// The median of the slopes over [`APART`] pixels in a direction, 0 where there are few. More than a pixel in each
+    /// pixel is a step: no surface that both cameras see is so steep along a row.
+    fn median_slope(&self, [across, down]: [usize; 2]) -> f32 {
+        let (mut slopes, mut count) = ([0.0; SIDE * SIDE], 0);
+        let apart = APART / STEP;
+        let (across, down) = (apart * across, apart * down);
+        for (from, to) in self.samples.iter().zip(&self.samples[down..side(STEP)]) {
+            for (&from, &to) in from.iter().zip(&to[across..side(STEP)]) {
+                slopes[count] = to - from;
+                let is_slope = from != HOLE && to != HOLE && (to - from).abs() <= APART as f32;
+                count += usize::from(is_slope);
+            }
+        }
+        let slopes = &mut slopes[..count];
+        if (count as f32) < LEAST_SUPPORT {
+            return 0.0;
+        }
+        *slopes.select_nth_unstable_by(count / 2, f32::total_cmp).1 / APART as f32
     }
 }
 
@@ -88,17 +165,21 @@ fn distance(step: usize, i: usize) -> f32 {
 }
 
 at_every_level! {
-    /// The plane through a window. Sums are kept per lane, so that they are added in the same order
-    /// at every level.
-    fn fit_window<const STEP: usize>(window: &[[f32; PADDED]; SIDE]) -> Surface {
+    /// The plane through the samples of a window, by a first guess, and the sum of their weights. Sums are kept per
+    /// lane, so that they are added in the same order at every level.
+    fn fit_window<const STEP: usize>(
+        samples: &[[f32; PADDED]; SIDE],
+        guess: Surface,
+    ) -> (Surface, f32) {
         let groups = side(STEP).div_ceil(LANES);
-        let Surface { disparity: mut offset, mut along, mut down } = Surface::default();
+        let Surface { disparity: mut offset, mut along, mut down } = guess;
+        let mut support = 0.0;
         for round in 0..4 {
             let (outlier, growth) = if round == 0 { (OUTLIER, 0.04) } else { (0.7 * OUTLIER, 0.01) };
             // Weighted sums of 1, x, y, z and of their products.
             let [mut s, mut sx, mut sy, mut sz] = [[0.0f32; LANES]; 4];
             let [mut sxx, mut sxy, mut syy, mut sxz, mut syz] = [[0.0f32; LANES]; 5];
-            for (j, row) in window[..side(STEP)].iter().enumerate() {
+            for (j, row) in samples[..side(STEP)].iter().enumerate() {
                 let dy = distance(STEP, j);
                 let (plane, widest) = (offset + down * dy, outlier + growth * dy.abs());
                 for (group, z) in row.as_chunks::<LANES>().0[..groups].iter().enumerate() {
@@ -123,6 +204,7 @@ at_every_level! {
             }
             let [s, sx, sy, sz, sxx, sxy, syy, sxz, syz] =
                 [s, sx, sy, sz, sxx, sxy, syy, sxz, syz].map(|sums| sums.iter().sum::<f32>());
+            support = s;
             if s < LEAST_SUPPORT {
                 break;
             }
@@ -134,7 +216,7 @@ at_every_level! {
             down = (yz * xx - xz * xy) / determinant;
             offset = mz - along * mx - down * my;
         }
-        Surface { disparity: offset, along, down }
+        (Surface { disparity: offset, along, down }, support)
     }
 }
 
@@ -151,8 +233,34 @@ mod tests {
             _ if (x * 7 + y * 3) % 5 == 0 => f32::NAN,
             _ => plane(x, y),
         });
-        check(Surface::fit::<FINE>, &values, plane(32, 21));
-        check(Surface::fit::<COARSE>, &values, plane(32, 21));
+        let found = Surface::fit(Level::detect(), &values, 32, 21);
+        let Surface { disparity, along, down } = found;
+        assert!((disparity - plane(32, 21)).abs() < 0.1, "{disparity}");
+        // A ridge pulls slopes towards zero by a few percent.
+        assert!((along - 0.1).abs() < 0.02 && (down + 0.2).abs() < 0.02, "{along} {down}");
+        let slope = Surface::along(Level::detect(), &values, 32, 21);
+        assert!((slope - 0.1).abs() < 0.02, "{slope}");
+        for level in Level::available() {
+            eprintln!("level {}", level.name());
+            assert_eq!(Surface::fit(level, &values, 32, 21), found);
+            assert_eq!(Surface::along(level, &values, 32, 21), slope);
+        }
+    }
+
+    #[test]
+    fn a_steep_plane_is_found_though_it_leaves_the_outliers_of_a_flat_one() {
+        // Beside it a wall at 60.
+        for (along, down) in [(0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.4, -0.3)] {
+            let plane = |x: usize, y: usize| 30.0 + along * x as f32 + down * y as f32;
+            let values =
+                Plane::from_fn(60, 60, |x, y| if x < 20 { 60.0 } else { plane(x, y).round() });
+            let found = Surface::fit(Level::detect(), &values, 24, 30);
+            let off = (found.along - along).abs().max((found.down - down).abs());
+            // The ridge again, where a wall leaves half of the window.
+            assert!(off < 0.1, "{along} {down}: {found:?}");
+            let slope = Surface::along(Level::detect(), &values, 24, 30);
+            assert!((slope - along).abs() < 0.1 || down != 0.0, "{along} {down}: {slope}");
+        }
     }
 
     #[test]
@@ -164,26 +272,9 @@ mod tests {
                 true => 9.0 + 0.15 * (x - 20) as f32,
                 false => f32::NAN,
             });
-            let Surface { along, down, .. } =
-                Surface::fit::<FINE>(Level::detect(), &values, 20, 20);
+            let Surface { along, down, .. } = Surface::fit(Level::detect(), &values, 20, 20);
             assert!((along - expected).abs() < 1e-3, "{columns}: {along}");
             assert!(down.abs() < 1e-3, "{columns}: {down}");
-        }
-    }
-
-    fn check(
-        fit: impl Fn(Level, &Plane<f32>, usize, usize) -> Surface,
-        values: &Plane<f32>,
-        expected: f32,
-    ) {
-        let found = fit(Level::detect(), values, 32, 21);
-        let Surface { disparity, along, down } = found;
-        assert!((disparity - expected).abs() < 0.1, "{disparity}");
-        // A ridge pulls slopes towards zero by a few percent.
-        assert!((along - 0.1).abs() < 0.02 && (down + 0.2).abs() < 0.02, "{along} {down}");
-        for level in Level::available() {
-            eprintln!("level {}", level.name());
-            assert_eq!(fit(level, values, 32, 21), found);
         }
     }
 }
