@@ -11,7 +11,8 @@ pub fn demo_scenes() -> Vec<Settings> {
 
 /// Scenes that each strain one assumption of a matcher, with a label that says which and how
 /// much. All are the same cards with fine texture, 450 x 375 pixels, 0 to 64 disparities and noise
-/// 1, and differ in nothing else, so that what grows is due to it.
+/// 1, and differ in nothing else, so that what grows is due to it; but for those that lean, each of
+/// which is one plane with the same texture.
 pub fn stress_scenes() -> Vec<(String, Settings)> {
     let mut scenes = Vec::new();
     let base = Settings::new(Kind::Cards, 1);
@@ -49,6 +50,21 @@ pub fn stress_scenes() -> Vec<(String, Settings)> {
     add("negative disparities".into(), &|s| (s.min_disparity, s.max_disparity) = (-16, 47));
     for columns in [32, 8, 1] {
         add(format!("{columns} columns"), &|s| s.columns = columns);
+    }
+    // The farthest point of each has disparity 2, and its range ends where it does.
+    let mut lean = |label: String, per_column: f64, per_row: f64| {
+        add(label, &|s| {
+            let nearer = (per_column * (s.columns - 1) as f64, per_row * (s.rows - 1) as f64);
+            let offset = 2.0 - nearer.0.min(0.0) - nearer.1.min(0.0);
+            s.kind = Kind::Plane { offset, per_column, per_row };
+            s.max_disparity = (2.0 + nearer.0.abs() + nearer.1.abs()).ceil() as i32;
+        });
+    };
+    for slope in [0.1, 0.2, 0.4] {
+        lean(format!("floor {slope} px a row"), 0.0, slope);
+    }
+    for slope in [0.1, 0.2, 0.4, -0.1, -0.2, -0.4] {
+        lean(format!("wall {slope} px a column"), slope, 0.0);
     }
     scenes
 }

@@ -70,7 +70,7 @@ pub struct Args {
     scenes: SceneArguments,
 
     /// Rendered scenes instead, each of which strains one assumption: exposure, noise, vertical
-    /// offset, range, size, texture
+    /// offset, range, size, texture, slopes
     #[arg(long, conflicts_with_all = ["data", "purpose"], help_heading = "Scenes")]
     stress: bool,
 
