@@ -1,6 +1,7 @@
 //! Sets of scenes that measurements share.
 
 use crate::kinds::Kind;
+use crate::number::least;
 use crate::settings::{Depth, Settings};
 
 /// The scenes that `hazcam demo` renders and matches: small, and each hard in its own way. One for
@@ -55,7 +56,7 @@ pub fn stress_scenes() -> Vec<(String, Settings)> {
     let mut lean = |label: String, per_column: f64, per_row: f64| {
         add(label, &|s| {
             let nearer = (per_column * (s.columns - 1) as f64, per_row * (s.rows - 1) as f64);
-            let offset = 2.0 - nearer.0.min(0.0) - nearer.1.min(0.0);
+            let offset = 2.0 - least(nearer.0, 0.0) - least(nearer.1, 0.0);
             s.kind = Kind::Plane { offset, per_column, per_row };
             s.max_disparity = (2.0 + nearer.0.abs() + nearer.1.abs()).ceil() as i32;
         });

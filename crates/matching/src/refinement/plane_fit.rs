@@ -23,7 +23,9 @@ const OUTLIER: f32 = 1.5;
 const LEAST_SUPPORT: f32 = 5.0;
 /// Slopes whose median is a first guess go over so many pixels, which takes out what noise and whole disparities do.
 const APART: usize = 12;
-/// A plane from there must have so many times the support of the one from a flat guess ...
+/// Guesses that lean no farther than this from the plane of a flat one, in pixels a pixel, lead to it as well.
+const ALIKE: f32 = 0.05;
+/// Others lead to one that must have so many times its support ...
 const MORE: f32 = 1.2;
 /// ... and this part of all samples: more where it goes on far beyond them.
 const QUARTER: f32 = 0.25;
@@ -56,7 +58,7 @@ const fn reach(step: usize) -> usize {
 }
 
 /// Operations on bytes per fit: four rounds, which all take but those with hardly any support, of 29 of
-/// 32 bits for each place of the window.
+/// 32 bits for each place of the window. Second fits, of a part of all, are not counted.
 const fn operations(step: usize) -> usize {
     4 * 29 * 4 * side(step) * side(step)
 }
@@ -89,6 +91,10 @@ fn steeper<const STEP: usize>(level: Level, mut window: Window<STEP>, part: f32)
         return flat;
     }
     let (along, down) = (window.median_slope([1, 0]), window.median_slope([0, 1]));
+    // The second fit would find the first one's plane.
+    if (along - flat.along).abs().max((down - flat.down).abs()) < ALIKE {
+        return flat;
+    }
     // What is left above the guess is nearly flat, and slopes of small supports are pulled towards the guess.
     window.lean(-along, -down);
     let (rest, support) = fit_window::<STEP>(level, &window.samples);
@@ -135,14 +141,18 @@ impl<const STEP: usize> Window<STEP> {
         }
     }
 
-    /// The median of the slopes over [`APART`] pixels in a direction, columns and rows; 0 where there are few. More than a pixel in each
-    /// pixel is a step: no surface that both cameras see is so steep along a row.
+    /// The median of the slopes over [`APART`] pixels in a direction, columns and rows, by every second sample of every
+    /// second row; 0 where there are few. More than a pixel in each pixel is a step: no surface that both cameras see is
+    /// so steep along a row.
     fn median_slope(&self, [across, down]: [usize; 2]) -> f32 {
-        let (mut slopes, mut count) = ([0.0; SIDE * SIDE], 0);
+        const EVERY: usize = 2;
+        let (mut slopes, mut count) = ([0.0; PADDED * PADDED / (EVERY * EVERY)], 0);
         let apart = APART / STEP;
         let (across, down) = (apart * across, apart * down);
-        for (from, to) in self.samples.iter().zip(&self.samples[down..side(STEP)]) {
-            for (&from, &to) in from.iter().zip(&to[across..side(STEP)]) {
+        let rows = self.samples.iter().zip(&self.samples[down..side(STEP)]);
+        for (from, to) in rows.step_by(EVERY) {
+            let pairs = from.iter().zip(&to[across..side(STEP)]);
+            for (&from, &to) in pairs.step_by(EVERY) {
                 slopes[count] = to - from;
                 let is_slope = from != HOLE && to != HOLE && (to - from).abs() <= APART as f32;
                 count += usize::from(is_slope);
