@@ -43,9 +43,38 @@ impl fmt::Display for Machine {
     }
 }
 
-/// The name in Linux's `/proc/cpuinfo`; elsewhere unknown.
+/// What Linux's `/proc/cpuinfo` says of the first processor; elsewhere unknown.
 fn cpu_name() -> Option<String> {
-    let text = fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
+    name_in(&fs::read_to_string("/proc/cpuinfo").ok()?)
+}
+
+/// Its name and, where they are told, the numbers of its family and model: a virtual machine's name may be that of
+/// several generations, one of which is twice as fast as another.
+fn name_in(text: &str) -> Option<String> {
+    let told = |what: &str| {
+        let mut lines = text.lines().filter_map(|line| line.split_once(':'));
+        lines.find(|(key, _)| key.trim() == what).map(|(_, value)| value.trim())
+    };
+    let name = told("model name")?;
+    Some(match (told("cpu family"), told("model")) {
+        (Some(family), Some(model)) => format!("{name} (family {family}, model {model})"),
+        _ => name.to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_processor_is_told_from_another_generation_of_its_name() {
+        let text = "processor\t: 0\nvendor_id\t: AuthenticAMD\ncpu family\t: 25\nmodel\t\t: 17\n\
+                    model name\t: AMD EPYC\nstepping\t: 1\nprocessor\t: 1\nmodel\t\t: 99\n";
+        assert_eq!(name_in(text).unwrap(), "AMD EPYC (family 25, model 17)");
+        assert_eq!(
+            name_in("model name : ARMv7 Processor rev 4\n").unwrap(),
+            "ARMv7 Processor rev 4"
+        );
+        assert_eq!(name_in("processor : 0\n"), None);
+    }
 }

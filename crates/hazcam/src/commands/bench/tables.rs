@@ -101,7 +101,8 @@ impl Tables<'_> {
                      the image, and noc: over those that both cameras see"
                         .into(),
                     "every scene is `plain` (cards with fine texture, 450 x 375, disparities 0 to \
-                     64, noise 1) save for what its name says; lengths in px, noise in grey levels, \
+                     64, noise 1) save for what its name says, a floor or a wall one plane with that \
+                     texture in its own range; lengths in px, noise in grey levels, \
                      everything else as a factor or exponent"
                         .into(),
                 ]))
