@@ -3,7 +3,8 @@
 //! Penalties of the paths press disparities towards whole numbers, and choices copy planes from afar: a floor comes out
 //! as a staircase, and a wall rough. A plane is fitted around each pixel to the disparities that lie near its own, then
 //! to those that lie near this plane; those of another surface never count. The pixel moves onto the plane if half of
-//! the window lies there: a thin rod has too few neighbours of its own, and stays as it is.
+//! the window lies there: a thin rod has too few neighbours of its own, and stays as it is. The nearest disparities
+//! count twice, or a stone as small as the window would be gone: most of what is near it is ground.
 //!
 //! Besl & Jain (*Segmentation through variable-order surface fitting*, PAMI 1988) grow surfaces from such fits. The
 //! shift by [least squares](super::least_squares) comes after it: one that is right in the mean of a window leaves the
@@ -25,8 +26,11 @@ const SIDE: usize = 2 * RADIUS + 1;
 const NEAR: [f32; 2] = [1.5, 1.0];
 /// A pixel moves no farther than this, in pixels.
 const FARTHEST: f32 = 1.0;
-/// So many disparities of the window must lie on the plane, or the pixel stays.
-const ENOUGH: f32 = 12.0;
+/// What the pixel's own disparity and the eight next to it count for, and the others.
+const INNER: f32 = 2.0;
+const OUTER: f32 = 1.0;
+/// So much of the window, which is 34 in all, must lie on the plane, or the pixel stays.
+const ENOUGH: f32 = 16.0;
 /// Added to sums of squares of columns and of rows: what lies in a line has no slope across it.
 const RIDGE: f32 = 0.5;
 /// Stands for what lies beyond the map: farther than any disparity.
@@ -76,7 +80,7 @@ at_every_level! {
         for (start, out) in (0..).step_by(LANES).zip(out.chunks_mut(LANES)) {
             let seen = rows.map(|row| around(row, start, REACH, BEYOND));
             let here: [f32; LANES] = std::array::from_fn(|i| seen[RADIUS][REACH + i]);
-            // The plane, from the disparity here, and how many lie on it.
+            // The plane, from the disparity here, and how much lies on it.
             let [mut offset, mut along, mut down, mut count] = [[0.0; LANES]; 4];
             for nearness in NEAR {
                 let sums = sums::<STEP>(nearness, &seen, &here, [&offset, &along, &down]);
@@ -118,16 +122,18 @@ fn sums<const STEP: usize>(
     let mut all = [[0.0; LANES]; 9];
     for (j, row) in seen.iter().enumerate() {
         let dy = j as f32 - RADIUS as f32;
+        let inner = if j.abs_diff(RADIUS) > 1 { OUTER } else { INNER };
         // Of 1, x, xx, z and xz.
         let [mut n, mut x, mut xx, mut z, mut xz] = [[0.0; LANES]; 5];
         for k in 0..SIDE {
             let dx = k as f32 - RADIUS as f32;
+            let weight = if k.abs_diff(RADIUS) > 1 { OUTER } else { inner };
             let line: &[f32; LANES] =
                 row[REACH + STEP * k - STEP * RADIUS..].first_chunk().expect("so many are seen");
             for i in 0..LANES {
                 let value = line[i] - here[i];
                 let plane = offset[i] + along[i] * dx + down[i] * dy;
-                let is_near = if (value - plane).abs() < nearness { 1.0 } else { 0.0 };
+                let is_near = if (value - plane).abs() < nearness { weight } else { 0.0 };
                 let value = is_near * value;
                 n[i] += is_near;
                 x[i] += is_near * dx;
@@ -186,10 +192,29 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_stone_as_small_as_the_window_keeps_half_of_its_height() {
+        // A disc of 16 pixels, .9 px before the ground.
+        let is_within =
+            |r: usize, x: usize, y: usize| x.abs_diff(30).pow(2) + y.abs_diff(20).pow(2) < r * r;
+        let map = Plane::from_fn(60, 40, |x, y| if is_within(8, x, y) { 10.9 } else { 10.0 });
+        let after = smoothed(Level::detect(), 1, &map);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (y, x) in (0..40).flat_map(|y| (0..60).map(move |x| (y, x))) {
+            if is_within(6, x, y) {
+                (sum, count) = (sum + after.row(y)[x] - 10.0, count + 1.0);
+            }
+        }
+        assert!(sum / count > 0.45, "{} px are left", sum / count);
+    }
+
     /// The formulas one by one: of column `x` and row `y`.
     fn definition(step: usize, map: &Plane<f32>, x: usize, y: usize) -> f64 {
         let here = f64::from(map.row(y)[x]);
         let places = (0..SIDE).flat_map(|j| (0..SIDE).map(move |k| (j, k)));
+        // What counts twice is there twice.
+        let is_inner = |(j, k): &(usize, usize)| j.abs_diff(2) < 2 && k.abs_diff(2) < 2;
+        let places = places.clone().chain(places.filter(is_inner));
         let seen: Vec<[f64; 3]> = places
             .filter_map(|(j, k)| {
                 let column =
