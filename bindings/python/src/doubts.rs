@@ -104,6 +104,11 @@ fn of(doubt: Doubt, range: DisparityRange) -> String {
             "many of the matched pixels lie at the largest disparity, {max}: there may be nearer \
              things that are missed; raise `max_disparity`"
         ),
+        Doubt::PerhapsNearer(_) => format!(
+            "few of the pixels are matched, and they do not thin out towards the largest disparity, {max}: there may be \
+             nearer things, which are filled as if they were far; raise `max_disparity`, or keep holes \
+             (holes='keep')"
+        ),
         Doubt::Farther(_) => format!(
             "many of the matched pixels lie at the smallest disparity, {min}: there may be farther \
              things that are missed; lower `min_disparity`"

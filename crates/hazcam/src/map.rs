@@ -2,6 +2,7 @@
 //! pixel is and why, the truth.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -74,9 +75,23 @@ impl Map {
         Ok(image.widened_from(used))
     }
 
-    /// Says how many of the disparities were filled in without a match, where the record that `hazcam match` leaves
-    /// beside a map tells of any. A record of another map, which stood there before, tells nothing.
-    pub fn guesses(&self) -> Option<String> {
+    /// Says how many of the disparities were filled in without a match, and what to do then, where the record that
+    /// `hazcam match` leaves beside a map tells of any: a warning where it is most of them.
+    pub fn tell_guesses(&self, ui: &Ui, remedy: fmt::Arguments<'_>) {
+        let Some(share) = self.guesses() else { return };
+        let told = format!(
+            "{:.1} % of the disparities were filled in without a match, so their depth is a guess: {remedy}",
+            100.0 * share
+        );
+        match share > 0.5 {
+            true => ui.warn(told),
+            false => ui.note(told),
+        }
+    }
+
+    /// The share of the disparities that were filled in, by the record beside the map. One of another map, which stood
+    /// there before, tells nothing.
+    fn guesses(&self) -> Option<f64> {
         let mut record = self.path.clone().into_os_string();
         record.push(".json");
         let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
@@ -88,10 +103,7 @@ impl Map {
             reasons.filter_map(|reason| record.reasons.get(reason.name())).sum()
         };
         let filled = share(&|reason| reason.has_value() && reason != Reason::Matched);
-        (filled > 0.0).then(|| {
-            let part = 100.0 * filled / share(&Reason::has_value);
-            format!("{part:.1} % of the disparities were filled in without a match, so their depth is a guess")
-        })
+        (filled > 0.0).then(|| filled / share(&Reason::has_value))
     }
 
     /// How sure each pixel is, from 0 to 1; NaN is not sure.

@@ -134,11 +134,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
             "without --calibration, or --focal and --baseline, the page shows a relief in pixels",
         ),
     }
-    if confidence.is_none()
-        && reasons.is_none()
-        && let Some(guesses) = map.guesses()
-    {
-        ui.note(format_args!("{guesses}: --confidence or --reasons shows which"));
+    if confidence.is_none() && reasons.is_none() {
+        map.tell_guesses(ui, format_args!("--confidence or --reasons shows which"));
     }
     ui.note(format_args!(
         "{} shows {} points of {} pixels",

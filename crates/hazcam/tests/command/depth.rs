@@ -54,6 +54,10 @@ fn guesses_are_told_of_where_nobody_leaves_them_out() {
     let some = r#"{"matched": 0.6, "occluded-filled": 0.15, "mismatched-hole": 0.25}"#;
     folder.record("d.pfm", some);
     assert!(told("").contains("20.0 % of the disparities were filled in"), "{}", told(""));
+    assert!(told("").starts_with("note: "), "{}", told(""));
+    folder.record("d.pfm", r#"{"matched": 0.2, "mismatched-filled": 0.8}"#);
+    assert!(told("").starts_with("warning: 80.0 % of the disparities"), "{}", told(""));
+    folder.record("d.pfm", some);
     assert_eq!(told("--confidence sure.pfm --min-confidence 0.5"), "");
     // Guesses are as sure as that.
     let low = told("--confidence sure.pfm --min-confidence 0.05");
@@ -69,6 +73,22 @@ fn guesses_are_told_of_where_nobody_leaves_them_out() {
     let found = disparities(folder.path("d.pfm"));
     formats::write_disparity(folder.path("d.pfm"), &found.map(|d| d + 1.0)).unwrap();
     assert_eq!(told(""), "");
+}
+
+#[test]
+fn a_map_without_any_depth_is_warned_of() {
+    let folder = folder();
+    let told = folder.run(&format!("depth d.pfm {CAMERA} --max-depth 0.001")).done().stderr;
+    let words = "warning: d.pfm: no pixel has a depth: of most of them all is too far away; raise --max-depth";
+    assert!(told.contains(words), "{told}");
+}
+
+#[test]
+fn a_map_of_confidence_is_told_from_one_of_disparities() {
+    let folder = Folder::new();
+    folder.disparities("sure.pfm", &[0.5, 1.0, f32::NAN, 0.1]);
+    let told = folder.run(&format!("depth sure.pfm {CAMERA}")).done().stderr;
+    assert!(told.contains("no disparity is larger than 1 px: is it a map of confidence"), "{told}");
 }
 
 #[test]

@@ -28,6 +28,20 @@ pub struct Counts {
     pub too_far: usize,
 }
 
+impl Counts {
+    /// Why no pixel has a depth, which is so, and what to do.
+    pub fn nothing_left(&self) -> String {
+        let kinds = [
+            (self.without_disparity, "the map has no value", "was anything matched?"),
+            (self.behind, "nothing is in front of the cameras", "give the pair's own doffs"),
+            (self.unsure, "none is sure enough", "lower --min-confidence"),
+            (self.too_far, "all is too far away", "raise --max-depth"),
+        ];
+        let (_, why, remedy) = kinds.into_iter().max_by_key(|kind| kind.0).expect("there are four");
+        format!("no pixel has a depth: of most of them {why}; {remedy}")
+    }
+}
+
 /// The depth of each pixel in metres, NaN where there is none.
 pub fn depths(
     disparities: &Plane<f32>,

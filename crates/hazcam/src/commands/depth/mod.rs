@@ -140,13 +140,15 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         ui.warn(doubt);
     }
     let most = DisparityMap::MOST_OF_A_GUESS;
-    if args.min_confidence.is_none_or(|least| least <= most)
-        && counts.kept > 0
-        && let Some(guesses) = map.guesses()
-    {
-        ui.note(format_args!(
-            "{guesses}: leave them out by --confidence and a --min-confidence above {most}, or match with --holes keep",
-        ));
+    if counts.kept == 0 {
+        ui.warn(format_args!("{}: {}", disparity.display(), counts.nothing_left()));
+    } else if args.min_confidence.is_none_or(|least| least <= most) {
+        map.tell_guesses(
+            ui,
+            format_args!(
+                "leave them out by --confidence and a --min-confidence above {most}, or match with --holes keep"
+            ),
+        );
     }
     let reach = Reach::new(&camera, &depths, counts, args.disparity_error);
     show(&reach, &args, ui)?;

@@ -89,10 +89,14 @@ pub fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
             "only {:.1} % of the pixels are matched, so {} is to be doubted. Either {} is not \
              the left image of the two (exchange them), or things lie outside disparities {min} to \
              {max} (raise --max-disparity, lower --min-disparity), or the two are no rectified pair \
-             of one scene (rectify them), or they have no texture{}",
+             of one scene (rectify them{}), or they have no texture{}",
             100.0 * share,
             args.output.display(),
             args.left.display(),
+            match args.matcher.as_str() {
+                "fast" => "; where rows alone are off, --matcher balanced and best mend them",
+                _ => "",
+            },
             match args.matcher.as_str() {
                 "best" => "",
                 _ => ", or so much of it that more effort is needed (--matcher best)",
@@ -101,6 +105,12 @@ pub fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
         Doubt::Nearer(share) => ui.warn(format_args!(
             "{:.1} % of the matched pixels lie at the largest disparity, {max}: there may be \
              nearer things that are missed; raise --max-disparity",
+            100.0 * share,
+        )),
+        Doubt::PerhapsNearer(share) => ui.warn(format_args!(
+            "only {:.1} % of the pixels are matched, and they do not thin out towards the largest disparity, {max}: \
+             there may be nearer things, which are filled as if they were far; raise --max-disparity, or do not trust \
+             what is filled (--holes keep)",
             100.0 * share,
         )),
         Doubt::Farther(share) => ui.warn(format_args!(
