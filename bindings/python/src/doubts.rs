@@ -105,9 +105,9 @@ fn of(doubt: Doubt, range: DisparityRange) -> String {
              things that are missed; raise `max_disparity`"
         ),
         Doubt::PerhapsNearer(_) => format!(
-            "few of the pixels are matched, and they do not thin out towards the largest disparity, {max}: there may be \
-             nearer things, which are filled as if they were far; raise `max_disparity`, or keep holes \
-             (holes='keep')"
+            "many of the pixels are not matched, and those that are do not thin out towards the largest disparity, {max}: \
+             there may be nearer things that are missed, and filled as if they were far where holes are filled; raise \
+             `max_disparity`"
         ),
         Doubt::Farther(_) => format!(
             "many of the matched pixels lie at the smallest disparity, {min}: there may be farther \

@@ -42,6 +42,20 @@ def test_a_pair_of_which_hardly_anything_matches_is_doubted():
     assert told(lambda: matcher.compute(left, right, box=(0, 0, 50, 59))) == []
 
 
+def test_matches_that_do_not_thin_out_towards_the_end_of_the_range_are_doubted():
+    (left, right), near, (_, other) = dots(120), dots(120, shift=18), dots(120, seed=2)
+    # 6 rows of ten are matched, some of them near the end; the others show something else.
+    left[60:72], right[60:72] = near[0][60:72], near[1][60:72]
+    right[72:] = other[72:]
+    expected = (
+        "many of the pixels are not matched, and those that are do not thin out towards the largest disparity, 20: "
+        "there may be nearer things that are missed, and filled as if they were far where holes are filled; raise "
+        "`max_disparity`"
+    )
+    assert told(lambda: hazcam.match(left, right, 20, preset="fast")) == [expected]
+    assert told(lambda: hazcam.match(left, right, 40, preset="fast")) == []
+
+
 def test_matches_at_an_end_of_the_range_are_doubted():
     left, right = dots(shift=20)
     nearer = (

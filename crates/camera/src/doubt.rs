@@ -64,19 +64,18 @@ impl StereoCamera {
     }
 
     /// Says that most of a map's disparities, NaN or infinite where there is none, are of nothing in front of the cameras,
-    /// if so, or that none is as large as a pixel, and what that usually comes from.
+    /// if so, or that all of them lie between 0 and a pixel, and what that usually comes from.
     pub fn doubt_of(&self, disparities: &Plane<f32>) -> Option<String> {
         let known = disparities.samples().iter().filter(|d| d.is_finite());
         let all = known.clone().count();
-        let largest = known.clone().fold(0.0f32, |largest, d| largest.max(d.abs()));
+        let are_shares = known.clone().all(|d| (0.0..=1.0).contains(d));
         let mut behind = known.filter(|d| self.depth_in_32_bits(**d).is_none());
         let count = behind.clone().count();
         if 2 * count <= all {
-            return (all > 0 && largest <= 1.0).then(|| {
-                format!(
-                    "no disparity is larger than {largest} px: is it a map of confidence, or one in parts of the images' \
-                     width, as some networks give it? Disparities must be in pixels"
-                )
+            return (all > 0 && are_shares && self.doffs == 0.0).then(|| {
+                "all disparities lie between 0 and 1 px: is it a map of confidence, or one in parts of the images' \
+                 width, as some networks give it? Disparities must be in pixels"
+                    .into()
             });
         }
         let first = behind.next();
@@ -146,7 +145,11 @@ mod tests {
         let all = doubt([-1.0, f32::NAN, -1.0, -3.0, -2.0]).unwrap();
         assert!(all.starts_with("4 of 4 disparities") && !all.contains("others"), "{all}");
         let shares = doubt([0.5, f32::NAN, 1.0, 0.2, 0.9]).unwrap();
-        assert!(shares.starts_with("no disparity is larger than 1 px"), "{shares}");
+        assert!(shares.starts_with("all disparities lie between 0 and 1 px"), "{shares}");
+        assert_eq!(doubt([0.5, -0.2, 1.0, 0.2, 0.9]), None);
+        // Of a pair that was cropped these are places like any others.
+        let cropped = StereoCamera::new(1000.0, 0.2, 100.0, 0.0, 0.0).unwrap();
+        assert_eq!(cropped.doubt_of(&Plane::new(2, 1, vec![0.5, 0.9]).unwrap()), None);
         // One number again and again stands for no value.
         let mark = doubt([-1.0, 50.0, -1.0, -1.0, f32::NAN]).unwrap();
         assert!(mark.starts_with("3 of 4 disparities are -1, "), "{mark}");

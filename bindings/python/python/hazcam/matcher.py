@@ -114,7 +114,8 @@ class Matcher:
         Warns
         -----
         HazcamWarning
-            Where little matched, matches pile up at an end of the range or at disparity 0, or the
+            Where little matched, matches pile up at an end of the range or at disparity 0, or many
+            pixels are not matched and the others do not thin out towards the largest one, or the
             images stand far off vertically; and, looked for until a frame is answered without any
             such doubt, where samples use few of 16 bits or few grey levels, both images show blocks
             of compression, or one is less sharp than the other. Python shows each once for a line

@@ -94,7 +94,8 @@ class StereoCamera:
         Raises ArgumentError, ArgumentTypeError: for a map of another size than the camera's images,
         and ``min_confidence`` without a matcher's map. Warns (HazcamWarning) of pixels that were
         filled in without a match and not left out, whose depth is a guess, and of disparities that
-        are larger than any match has, or mostly of nothing in front of the cameras.
+        are larger than any match has, or mostly of nothing in front of the cameras, or all between
+        0 and 1, as in a map of confidence.
         """
         farthest = metres(max_depth)
         depth, doubts = _hazcam.depth(self, sure(disparity, min_confidence))

@@ -79,8 +79,8 @@ fn guesses_are_told_of_where_nobody_leaves_them_out() {
 fn a_map_without_any_depth_is_warned_of() {
     let folder = folder();
     let told = folder.run(&format!("depth d.pfm {CAMERA} --max-depth 0.001")).done().stderr;
-    let words = "warning: d.pfm: no pixel has a depth: of most of them all is too far away; raise --max-depth";
-    assert!(told.contains(words), "{told}");
+    assert!(told.starts_with("warning: d.pfm: no pixel has a depth: "), "{told}");
+    assert!(told.contains(" are too far away; raise --max-depth"), "{told}");
 }
 
 #[test]
@@ -88,7 +88,10 @@ fn a_map_of_confidence_is_told_from_one_of_disparities() {
     let folder = Folder::new();
     folder.disparities("sure.pfm", &[0.5, 1.0, f32::NAN, 0.1]);
     let told = folder.run(&format!("depth sure.pfm {CAMERA}")).done().stderr;
-    assert!(told.contains("no disparity is larger than 1 px: is it a map of confidence"), "{told}");
+    assert!(
+        told.contains("all disparities lie between 0 and 1 px: is it a map of confidence"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -190,6 +190,36 @@ fn holes_can_be_kept() {
 }
 
 #[test]
+fn matches_that_do_not_thin_out_towards_the_end_of_the_range_are_warned_of() {
+    let folder = Folder::new();
+    let noise = |x: usize, y: usize| {
+        let mixed = (x as u32 * 7919 + y as u32 * 104_729 + 1).wrapping_mul(2_654_435_761);
+        ((mixed ^ mixed >> 15).wrapping_mul(2_246_822_519) >> 24) as u8
+    };
+    // Rows 0 to 59 are far, up to 71 near the end of the range, below them the right image shows something else.
+    let right = |x: usize, y: usize| match y {
+        ..60 => noise(x + 7, y),
+        ..72 => noise(x + 29, y),
+        _ => noise(x, y + 1000),
+    };
+    for (name, image) in [
+        ("left.png", Plane::from_fn(160, 120, noise)),
+        ("right.png", Plane::from_fn(160, 120, right)),
+    ] {
+        formats::write_image(folder.path(name), &Image::Grey8(image)).unwrap();
+    }
+    for (more, words) in [
+        ("-d 31", "31: there may be nearer things, which are filled as if they were far; raise"),
+        ("-d 31 --holes keep", "31: there may be nearer things that are missed; raise --max-dis"),
+    ] {
+        let told = folder.run(&format!("match left.png right.png -o d.pfm -m fast {more}")).done();
+        assert!(told.stderr.contains(words), "{more}: {}", told.stderr);
+    }
+    let told = folder.run("match left.png right.png -o d.pfm -m fast -d 63").done().stderr;
+    assert!(!told.contains("warning"), "{told}");
+}
+
+#[test]
 fn a_largest_disparity_of_zero_is_answered() {
     let folder = Folder::with_pair(24, 16);
     folder.run("match left.png right.png -o d.pfm --max-disparity 0").done();

@@ -1,5 +1,5 @@
 //! What makes an answer doubtful though no rule was broken: little matched, or what matched
-//! piles up at an end of the range. What makes images doubtful stands in [`images`].
+//! piles up at an end of the range, or does not thin out towards it. What makes images doubtful stands in [`images`].
 
 mod detail;
 mod images;
@@ -28,6 +28,8 @@ const MANY: f64 = 0.03;
 /// lattice).
 const NOT_MANY: f64 = 0.6;
 const DENSE: f64 = 0.7;
+/// What a tenth of a shorter range holds says little.
+const LEAST_RANGE: usize = 16;
 /// With a larger share of the matched pixels within half a pixel of disparity 0, much is infinitely far.
 const MANY_INFINITE: f64 = 0.2;
 
@@ -68,7 +70,7 @@ impl fmt::Display for Doubt {
             Self::PerhapsNearer(share) => write!(
                 f,
                 "only {:.1} % of the pixels are matched, and they do not thin out towards the largest disparity: there may \
-                 be nearer things, which are filled as if they were far, so search further",
+                 be nearer things, which are filled as if they were far where holes are filled, so search further",
                 per_cent(share)
             ),
             Self::Farther(share) => write!(
@@ -98,7 +100,7 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     bounds.check_within(columns, rows).expect("the box lies in the map");
     let answered = bounds.columns() * bounds.rows();
     let (min, max) = (range.min() as f32, range.max() as f32);
-    let tenth = (range.count() as f32 / 10.0).max(2.0);
+    let tenth = range.count() as f32 / 10.0;
     let [mut matched, mut nearest, mut near, mut farthest, mut infinite] = [0; 5];
     for y in bounds.y0..=bounds.y1 {
         let part = bounds.x0..=bounds.x1;
@@ -124,11 +126,10 @@ pub fn doubts(map: &DisparityMap, bounds: BoundingBox, range: DisparityRange) ->
     let many = MANY.max(1.0 / range.count() as f64);
     let [nearest, near, farthest, infinite] =
         [nearest, near, farthest, infinite].map(|count: u64| count as f64 / matched as f64);
-    let evenly = f64::from(tenth) / range.count() as f64;
     let mut doubts = Vec::new();
     if nearest > many {
         doubts.push(Doubt::Nearer(nearest));
-    } else if share < NOT_MANY && near > DENSE * evenly {
+    } else if range.count() >= LEAST_RANGE && share < NOT_MANY && near > DENSE / 10.0 {
         doubts.push(Doubt::PerhapsNearer(share));
     }
     // At 0 things are infinitely far: nothing is behind that.
@@ -179,6 +180,11 @@ mod tests {
         assert_eq!(about(100, &[(52, 10.0), (3, 36.0)], (0, 40)), []);
         assert_eq!(about(100, &[(51, 10.0), (4, 35.8)], (0, 40)), []);
         assert_eq!(about(100, &[(54, 10.0), (6, 36.0)], (0, 40)), []);
+        assert_eq!(about(100, &[(51, -25.0), (4, -4.0)], (-40, 0)), [nearer]);
+        for count in 1..LEAST_RANGE as i32 {
+            let all_over = about(100, &[(50, 1.0)], (1, count));
+            assert!(!all_over.contains(&Doubt::PerhapsNearer(0.5)), "{all_over:?}");
+        }
         let words = nearer.to_string();
         assert!(
             words.contains("55.0 % of the pixels are matched, and they do not thin"),

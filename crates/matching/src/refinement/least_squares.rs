@@ -6,7 +6,7 @@
 //! ```text
 //! e = L(x, y) - R(x - d, y)               what is left over
 //! g = (L'(x, y) + R'(x - d, y)) / 2       the slope of grey along the row
-//! s = -cov(e, g) / var(g)                 the shift that leaves least
+//! s = -cov(e, g) / var(g)                 the shift that leaves least, up to half a pixel
 //! v = CORRELATED (var(e) - cov(e, g)^2 / var(g) + ROUNDING) / (n var(g))      its variance
 //! w = max(OWN^2, s^2 - CHANCE v)          how far off the map is there
 //! d + s w / (w + v)
@@ -15,8 +15,8 @@
 //! over the `n` matches among the pixels of a window, each with its own `d`; a mean of two guesses, each of which
 //! weighs by its variance. Mostly a map is off by little, but planes go over what is small: a stone that stands 1 px
 //! before the ground. So where the shift is larger than it would be by chance it says itself how far off the map is
-//! (an empirical Bayes estimate: Efron & Morris 1973), and all of it is done, in two rounds, since the slope of grey
-//! holds over half a pixel only. Where there is no texture, or what is left over is no shift (noise, rows that are off,
+//! (an empirical Bayes estimate: Efron & Morris 1973), and nearly all of it is done, in two rounds, since the slope of
+//! grey holds over half a pixel only. Where there is no texture, or what is left over is no shift (noise, rows that are off,
 //! a shine), `v` is large and nothing happens. Differences of exposure are the mean of `e`, which does not count.
 //!
 //! Between two columns `R` is a [cubic] and `R'` its slope. Both numbers are rounded to 1/16 of a

@@ -3,8 +3,8 @@
 //! Penalties of the paths press disparities towards whole numbers, and choices copy planes from afar: a floor comes out
 //! as a staircase, and a wall rough. A plane is fitted around each pixel to the disparities that lie near its own, then
 //! to those that lie near this plane; those of another surface never count. The pixel moves onto the plane if half of
-//! the window lies there: a thin rod has too few neighbours of its own, and stays as it is. The nearest disparities
-//! count twice, or a stone as small as the window would be gone: most of what is near it is ground.
+//! the window lies there: a thin rod has too few neighbours of its own, and stays as it is. The inner nine
+//! disparities count twice, or a stone as small as the window would be gone: most of what is near it is ground.
 //!
 //! Besl & Jain (*Segmentation through variable-order surface fitting*, PAMI 1988) grow surfaces from such fits. The
 //! shift by [least squares](super::least_squares) comes after it: one that is right in the mean of a window leaves the
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_stone_as_small_as_the_window_keeps_half_of_its_height() {
-        // A disc of 16 pixels, .9 px before the ground.
+        // A disc of 15 pixels, .9 px before the ground.
         let is_within =
             |r: usize, x: usize, y: usize| x.abs_diff(30).pow(2) + y.abs_diff(20).pow(2) < r * r;
         let map = Plane::from_fn(60, 40, |x, y| if is_within(8, x, y) { 10.9 } else { 10.0 });

@@ -29,16 +29,23 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Why no pixel has a depth, which is so, and what to do.
+    /// Why no pixel has a depth, which is so, and what to do: what stopped most of those that have a disparity.
     pub fn nothing_left(&self) -> String {
-        let kinds = [
-            (self.without_disparity, "the map has no value", "was anything matched?"),
-            (self.behind, "nothing is in front of the cameras", "give the pair's own doffs"),
-            (self.unsure, "none is sure enough", "lower --min-confidence"),
-            (self.too_far, "all is too far away", "raise --max-depth"),
-        ];
-        let (_, why, remedy) = kinds.into_iter().max_by_key(|kind| kind.0).expect("there are four");
-        format!("no pixel has a depth: of most of them {why}; {remedy}")
+        let Self { without_disparity, behind, unsure, too_far, .. } = *self;
+        let (count, why, remedy) = [
+            (behind, "nothing in front of the cameras", "give the pair's own doffs"),
+            (unsure, "not sure enough", "lower --min-confidence"),
+            (too_far, "too far away", "raise --max-depth"),
+        ]
+        .into_iter()
+        .max_by_key(|kind| kind.0)
+        .expect("there are three");
+        match count {
+            0 => format!(
+                "no pixel has a depth: none of {without_disparity} has a disparity; was anything matched?"
+            ),
+            _ => format!("no pixel has a depth: {count} are {why}; {remedy}"),
+        }
     }
 }
 
@@ -85,6 +92,17 @@ mod tests {
         assert!(depth.samples()[1..].iter().all(|depth| depth.is_nan()));
         let expected = Counts { kept: 1, without_disparity: 1, behind: 2, unsure: 1, too_far: 1 };
         assert_eq!(counts, expected);
+    }
+
+    #[test]
+    fn what_left_nothing_is_what_stopped_most_of_those_with_a_disparity() {
+        let told = |without_disparity, behind, unsure, too_far| {
+            Counts { kept: 0, without_disparity, behind, unsure, too_far }.nothing_left()
+        };
+        assert!(told(9, 0, 0, 0).ends_with("none of 9 has a disparity; was anything matched?"));
+        assert!(told(9, 2, 1, 1).contains("2 are nothing in front of the cameras; give"));
+        assert!(told(9, 1, 2, 1).contains("2 are not sure enough; lower --min-confidence"));
+        assert!(told(60, 0, 0, 40).contains("40 are too far away; raise --max-depth"));
     }
 
     #[test]

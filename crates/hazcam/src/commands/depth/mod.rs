@@ -136,12 +136,16 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         .unwrap_or_default();
     let points = points.as_deref().unwrap_or_default();
     outputs::write_all_or_none(&all(&args, [&depths, &uncertainty], points))?;
-    if let Some(doubt) = camera.doubt_of(&map.disparities) {
+    let doubt = camera.doubt_of(&map.disparities);
+    if let Some(doubt) = &doubt {
         ui.warn(doubt);
     }
     let most = DisparityMap::MOST_OF_A_GUESS;
     if counts.kept == 0 {
-        ui.warn(format_args!("{}: {}", disparity.display(), counts.nothing_left()));
+        // Where all is behind the cameras that has been told.
+        if doubt.is_none() {
+            ui.warn(format_args!("{}: {}", disparity.display(), counts.nothing_left()));
+        }
     } else if args.min_confidence.is_none_or(|least| least <= most) {
         map.tell_guesses(
             ui,

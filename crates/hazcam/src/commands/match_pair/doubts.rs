@@ -5,7 +5,7 @@ use std::path::{Display, Path};
 use matching::{Doubt, ImageDoubt, VerticalDisparity, image_doubts};
 use raster::{DisparityRange, Image};
 
-use super::Args;
+use super::{Args, HolesArgument};
 use crate::ui::Ui;
 
 /// What is doubtful about the images of two files, whose samples were said to have so many `bits`.
@@ -94,7 +94,7 @@ pub fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
             args.output.display(),
             args.left.display(),
             match args.matcher.as_str() {
-                "fast" => "; where rows alone are off, --matcher balanced and best mend them",
+                "fast" => "; where rows alone are off, --matcher balanced mends them",
                 _ => "",
             },
             match args.matcher.as_str() {
@@ -109,9 +109,12 @@ pub fn tell(doubt: Doubt, args: &Args, range: DisparityRange, ui: &Ui) {
         )),
         Doubt::PerhapsNearer(share) => ui.warn(format_args!(
             "only {:.1} % of the pixels are matched, and they do not thin out towards the largest disparity, {max}: \
-             there may be nearer things, which are filled as if they were far; raise --max-disparity, or do not trust \
-             what is filled (--holes keep)",
+             there may be nearer things{}; raise --max-disparity",
             100.0 * share,
+            match args.holes {
+                HolesArgument::Fill => ", which are filled as if they were far",
+                HolesArgument::Keep => " that are missed",
+            },
         )),
         Doubt::Farther(share) => ui.warn(format_args!(
             "{:.1} % of the matched pixels lie at the smallest disparity, {min}: there may be \
