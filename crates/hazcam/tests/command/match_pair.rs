@@ -198,8 +198,8 @@ fn matches_that_do_not_thin_out_towards_the_end_of_the_range_are_warned_of() {
     };
     // Rows 0 to 59 are far, up to 71 near the end of the range, below them the right image shows something else.
     let right = |x: usize, y: usize| match y {
-        ..60 => noise(x + 7, y),
-        ..72 => noise(x + 29, y),
+        0..60 => noise(x + 7, y),
+        60..72 => noise(x + 29, y),
         _ => noise(x, y + 1000),
     };
     for (name, image) in [
