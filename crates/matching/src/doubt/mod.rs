@@ -23,9 +23,8 @@ const NARROW: usize = 64;
 const MANY: f64 = 0.03;
 /// With a smaller share of the answered pixels matched, and at least so many times as many of them in the nearest tenth
 /// of the range as if they were spread evenly, things may go on beyond it: a near one finds no match, and is filled as
-/// if it were far. In half of their own range that and [`MANY`] tell of 36 of 52 tuning scenes with `fast` and of 48 with
-/// `balanced`, where [`MANY`] and [`FEW`] alone tell of 34 and 39; in their own range of 2 and 1 (a blank wall, a
-/// lattice).
+/// if it were far. In half of their own range, that, [`MANY`] and [`FEW`] tell of 36 of 52 tuning scenes with `fast` and
+/// of 48 with `balanced`; in their own, of 2 and 1 (a blank wall, a lattice).
 const NOT_MANY: f64 = 0.6;
 const DENSE: f64 = 0.7;
 /// What a tenth of a shorter range holds says little.

@@ -16,8 +16,8 @@
 //! weighs by its variance. Mostly a map is off by little, but planes go over what is small: a stone that stands 1 px
 //! before the ground. So where the shift is larger than it would be by chance it says itself how far off the map is
 //! (an empirical Bayes estimate: Efron & Morris 1973), and nearly all of it is done, in two rounds, since the slope of
-//! grey holds over half a pixel only. Where there is no texture, or what is left over is no shift (noise, rows that are off,
-//! a shine), `v` is large and nothing happens. Differences of exposure are the mean of `e`, which does not count.
+//! grey holds over half a pixel only. Where there is no texture, or what is left over is no shift (noise, rows that are
+//! off, a shine), `v` is large and nothing happens. Differences of exposure are the mean of `e`, which does not count.
 //!
 //! Between two columns `R` is a [cubic] and `R'` its slope. Both numbers are rounded to 1/16 of a
 //! grey value, so that sums slide from window to window and no level or number of threads changes them.
