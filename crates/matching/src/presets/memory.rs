@@ -19,6 +19,7 @@ use crate::refinement::choice::{Choices, Jury};
 use crate::refinement::columns_between;
 use crate::refinement::groups::Groups;
 use crate::refinement::least_squares::LeastSquares;
+use crate::refinement::plane_smoothing::PlaneSmoothing;
 use crate::refinement::repetition::Repetition;
 
 /// What a frame takes at most where no limit was given, or else what the sums of semi-global matching
@@ -126,7 +127,11 @@ impl Needs {
             false => 0,
             true => LeastSquares::bytes(work.columns()),
         };
-        let refined = right + choice + least_squares;
+        let smoothing = match ingredients.has(Ingredient::PlaneSmoothing) {
+            false => 0,
+            true => PlaneSmoothing::bytes(columns, space.apart),
+        };
+        let refined = right + choice + smoothing + least_squares;
         // The steps of the guide, and the left view in fixed point with the rows between.
         let spread = part + between + 2 * work.columns() * work.rows();
         let repetition = Repetition::bytes(width, work, frame.range);

@@ -29,12 +29,13 @@ use crate::prepare::alignment::VerticalDisparity;
 use crate::prepare::grey::GreyView;
 use crate::prepare::plain;
 use crate::profile::{Profile, Work};
+use crate::refinement::Map;
 use crate::refinement::choice::{Choices, Given, Jury, Lesson, certainty};
 use crate::refinement::columns_between;
-use crate::refinement::least_squares::{self, LeastSquares};
+use crate::refinement::least_squares::LeastSquares;
 use crate::refinement::outside;
 use crate::refinement::plane_fill::fill;
-use crate::refinement::plane_smoothing;
+use crate::refinement::plane_smoothing::PlaneSmoothing;
 use crate::refinement::repetition::Repetition;
 use crate::selection::both_views::Selection;
 use crate::selection::cross_check::disagreements;
@@ -91,6 +92,7 @@ pub(crate) struct SemiGlobalMatching {
     between: columns_between::Sources,
     repetition: Repetition,
     answer: Answer,
+    plane_smoothing: PlaneSmoothing,
     least_squares: LeastSquares,
 }
 
@@ -130,6 +132,7 @@ impl SemiGlobalMatching {
             between: columns_between::Sources::default(),
             repetition: Repetition::default(),
             answer: Answer::default(),
+            plane_smoothing: PlaneSmoothing::default(),
             least_squares: LeastSquares::default(),
         }
     }
@@ -371,7 +374,9 @@ impl SemiGlobalMatching {
         let View { map: left, filled, steps, .. } = &mut self.left;
         if space.count > 0 && ingredients.has(Ingredient::PlaneSmoothing) {
             let scratch = &mut self.right.map.values;
-            let smoothed = plane_smoothing::smooth(level, space.apart, range, filled, scratch);
+            let (values, reasons, first) = (&mut *filled, &left.reasons, left.first);
+            let rough = Map { values, reasons, first, rows, range };
+            let smoothed = self.plane_smoothing.smooth(level, space.apart, grey, rough, scratch);
             profile.end("plane smoothing", smoothed);
         }
         let (values, reasons, confidence) = if space.apart > 1 {
@@ -391,7 +396,7 @@ impl SemiGlobalMatching {
         };
         if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
             let (values, first) = (&mut *values, left.first);
-            let shifted = least_squares::Map { values, reasons: &*reasons, first, rows, range };
+            let shifted = Map { values, reasons: &*reasons, first, rows, range };
             profile.end("least squares", self.least_squares.refine(level, grey, shifted));
         }
         let searched = (space.count > 0).then_some(range);

@@ -27,7 +27,7 @@ use std::ops::Range;
 use raster::{DisparityRange, Plane, Reason, View};
 use rayon::prelude::*;
 
-use crate::cost::MatchedRows;
+use super::Map;
 use crate::kernels::border::around;
 use crate::kernels::cubic::cubic;
 use crate::kernels::level::{Level, at_every_level};
@@ -91,18 +91,6 @@ struct Sums {
     error_error: Vec<i32>,
     error_slope: Vec<i32>,
     slope_slope: Vec<i32>,
-}
-
-/// A map of the left image: its disparities, why they are there, and where it lies.
-pub(crate) struct Map<'a> {
-    /// In pixels, none missing.
-    pub values: &'a mut Plane<f32>,
-    pub reasons: &'a Plane<Reason>,
-    /// The column of the image at which it begins.
-    pub first: usize,
-    pub rows: MatchedRows,
-    /// In which its disparities stay.
-    pub range: DisparityRange,
 }
 
 /// What residuals of a row are computed from, beside its disparities: both images' grey, the column at which the map
@@ -372,6 +360,7 @@ fn along(sums: &[i32], start: usize) -> [i32; BLOCK] {
 mod tests {
     use super::*;
     use crate::chance::Chance;
+    use crate::cost::MatchedRows;
 
     /// Texture that a cubic follows, in column `x` of a row, which need not be whole.
     fn texture(x: f32, y: usize) -> f32 {

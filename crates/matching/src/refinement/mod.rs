@@ -26,3 +26,19 @@ pub(crate) mod plane_smoothing;
 pub(crate) mod repetition;
 pub(crate) mod row_fill;
 pub(crate) mod rows_between;
+
+use raster::{DisparityRange, Plane, Reason};
+
+use crate::cost::MatchedRows;
+
+/// A map of the left image: its disparities, why they are there, and where it lies.
+pub(crate) struct Map<'a> {
+    /// In pixels, none missing.
+    pub values: &'a mut Plane<f32>,
+    pub reasons: &'a Plane<Reason>,
+    /// The column of the image at which it begins.
+    pub first: usize,
+    pub rows: MatchedRows,
+    /// In which its disparities stay.
+    pub range: DisparityRange,
+}
