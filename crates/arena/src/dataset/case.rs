@@ -206,6 +206,15 @@ pub struct CaseRegion {
     pub truth: Option<Plane<f32>>,
 }
 
+/// Small things that were laid before a scene. Both planes have the size of the left image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstacles {
+    /// True disparities of what is behind them, NaN = unknown.
+    pub behind: Plane<f32>,
+    /// The width in pixels of the thing that is seen there, or its height if that is less; 0 where there is none.
+    pub widths: Plane<u16>,
+}
+
 /// One scene, loaded. All planes have the size of the left image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseData {
@@ -223,6 +232,8 @@ pub struct CaseData {
     pub truth: Option<Plane<f32>>,
     /// Pixels that are scored apart.
     pub regions: Vec<CaseRegion>,
+    /// Small things that were laid before the scene, where they were.
+    pub obstacles: Option<Obstacles>,
     /// Which truth, which masks, what was assumed: sentences for the record.
     pub protocol: Vec<String>,
 }
@@ -232,7 +243,8 @@ impl CaseData {
     pub fn new(left: Image, right: Image, range: DisparityRange) -> Self {
         let bounds = BoundingBox::whole(left.columns(), left.rows());
         let (camera, truth, regions, protocol) = (None, None, Vec::new(), Vec::new());
-        Self { left, right, bounds, range, camera, truth, regions, protocol }
+        let obstacles = None;
+        Self { left, right, bounds, range, camera, truth, regions, obstacles, protocol }
     }
 
     /// Adds the pixels that both cameras see and those that only the left one does.

@@ -73,7 +73,7 @@ pub(super) fn files(
         protocol.extend(beyond(truth, bounds, range));
     }
     // Of files nothing asks for more than disparities: their calibrations are not looked for.
-    Ok(CaseData { left, right, bounds, range, camera: None, truth, regions, protocol })
+    Ok(CaseData { bounds, truth, regions, protocol, ..CaseData::new(left, right, range) })
 }
 
 /// Says how much of the truth no matcher can find, if that is much.

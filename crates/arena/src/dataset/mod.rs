@@ -23,7 +23,7 @@ mod load;
 
 use std::path::Path;
 
-pub use case::{Case, CaseData, CaseRegion, Files, Purpose, TruthFile};
+pub use case::{Case, CaseData, CaseRegion, Files, Obstacles, Purpose, TruthFile};
 pub use error::DatasetError;
 pub use load::{BEYOND_THE_RANGE, RANGE_BY_TRUTH, RANGE_BY_WIDTH};
 

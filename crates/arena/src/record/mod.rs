@@ -6,6 +6,7 @@
 
 mod coverage;
 mod machine;
+mod obstacles;
 mod scoring;
 
 use std::collections::BTreeMap;
@@ -20,6 +21,7 @@ use crate::engine::{Attempt, Status, Usage, Worker};
 
 pub use coverage::{Coverage, SURE};
 pub use machine::Machine;
+pub use obstacles::{Missed, STEPS, WIDTHS, missed};
 pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RANKED_BAD, RegionScores, at_least, score};
 
 /// One engine on one scene.
@@ -72,6 +74,9 @@ pub struct Record {
     /// Scores over the pixels that are sure enough, for several bounds, if the engine says how sure
     /// it is; their regions are named by [`at_least`].
     pub by_confidence: Vec<Scores>,
+    /// How much of small obstacles is missed, by their width and step; empty where none were laid.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub missed: Vec<Missed>,
     /// How well the engine's confidence ranks its errors.
     pub confidence: Option<ConfidenceScore>,
     /// How many pixels the engine gave each reason, if it gives reasons.
@@ -143,6 +148,7 @@ impl Record {
             scores: scored.scores,
             by_reason: scored.by_reason,
             by_confidence: scored.by_confidence,
+            missed: last.answer.as_ref().map(|answer| missed(answer, data)).unwrap_or_default(),
             confidence: scored.confidence,
             reasons,
             usage: median(&runs),

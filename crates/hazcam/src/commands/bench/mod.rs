@@ -1,6 +1,6 @@
 //! `hazcam bench`: matchers on scenes with known truth, scored and timed.
 //!
-//! One file per question: which engines, which scenes ([`scenes`] on disk, [`rendered`] ones), how
+//! One file per question: which engines, which scenes ([`scenes`] on disk, [`rendered`] ones, with [`obstacles`]), how
 //! they are run against each other ([`contest`]), what they are held to ([`limits`]), how the
 //! results are shown ([`tables`]) and where they go ([`output`], [`pictures`], [`into`]); and how fast
 //! they are ([`speed`]), and what each of their ingredients gives ([`ablation`]).
@@ -10,6 +10,7 @@ pub mod contest;
 pub mod engines;
 pub mod into;
 pub mod limits;
+pub mod obstacles;
 pub mod output;
 pub mod pictures;
 pub mod rendered;
@@ -64,6 +65,7 @@ Examples:
   hazcam bench --speed --threads 2 --record benchmarks/speed.json --into README.md
   hazcam bench --speed --sweep --matcher fast
   hazcam bench --reliability --use tuning --matcher best
+  hazcam bench --obstacles --use tuning --matcher balanced
   hazcam bench --ablation --matcher balanced --scenes 'middlebury*' --jobs 2")]
 pub struct Args {
     #[command(flatten)]
@@ -106,6 +108,13 @@ pub struct Args {
     #[arg(conflicts_with_all = ["speed", "stress", "ablation", "reference", "limits"])]
     reliability: bool,
 
+    /// Lay small obstacles over each scene, pieces of itself that are nearer than what is behind them,
+    /// and show how much of them matchers miss: pixels that get the disparity of what is behind; with
+    /// --ablation also without each ingredient
+    #[arg(long, help_heading = "Reliability")]
+    #[arg(conflicts_with_all = ["speed", "stress", "reliability", "reference", "limits"])]
+    obstacles: bool,
+
     /// How to show the results
     #[arg(long, default_value = "text", help_heading = "Output")]
     #[arg(value_parser = super::choice(Format::NAMES))]
@@ -122,7 +131,8 @@ pub struct Args {
     /// Put an overview into a Markdown page, between its lines <!-- results --> and
     /// <!-- /results -->, with --speed between <!-- speed --> and <!-- /speed -->, with
     /// --ablation between <!-- ablation --> and <!-- /ablation -->, with --reliability between
-    /// <!-- reliability --> and <!-- /reliability -->
+    /// <!-- reliability --> and <!-- /reliability -->, with --obstacles between
+    /// <!-- obstacles --> and <!-- /obstacles -->
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     into: Option<PathBuf>,
 }
@@ -141,11 +151,17 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
         false if args.ablation => args.scenes.cases(&[Purpose::Tuning], ui)?,
         false => args.scenes.cases(&[Purpose::Test, Purpose::Tuning, Purpose::Rendered], ui)?,
     };
-    if args.reliability && !cases.iter().any(Case::has_truth) {
-        bail!(
-            "none of these scenes has truth, by which --reliability tells what is wrong: choose others"
-        );
+    for (asked, option) in [(args.reliability, "--reliability"), (args.obstacles, "--obstacles")] {
+        if asked && !cases.iter().any(Case::has_truth) {
+            bail!(
+                "none of these scenes has truth, by which {option} tells what is wrong: choose others"
+            );
+        }
     }
+    let cases = match args.obstacles {
+        true => cases.into_iter().filter(Case::has_truth).map(obstacles::with_obstacles).collect(),
+        false => cases,
+    };
     let contest = Contest {
         cases,
         engines: match args.ablation {
@@ -158,6 +174,8 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     let (view, marker) = if args.stress {
         (View::Strains, "results")
+    } else if args.obstacles {
+        (View::Obstacles, "obstacles")
     } else if args.ablation {
         (View::Ablation, "ablation")
     } else if args.reliability {

@@ -23,6 +23,8 @@ pub enum View {
     Ablation,
     /// How reliable disparities are by how sure matchers are of them.
     Reliability,
+    /// How much of small obstacles matchers miss.
+    Obstacles,
 }
 
 /// A run to be shown.
@@ -45,6 +47,7 @@ impl Tables<'_> {
             Format::Csv => match self.view {
                 View::Ablation => ablation::table(&ablation::rows(self.records)).to_csv(),
                 View::Reliability => report::reliability_table(self.records).to_csv(),
+                View::Obstacles => report::obstacles_table(self.records).to_csv(),
                 _ if self.records.iter().any(|record| record.has_truth) => {
                     report::scores_table(self.records).to_csv()
                 }
@@ -117,14 +120,19 @@ impl Tables<'_> {
                 show(&report::reliability_table(records)),
                 notes(self.notes(report::RELIABILITY_LEGEND.map(str::to_owned).to_vec()))
             ),
+            View::Obstacles => format!(
+                "{}\n{}",
+                show(&report::obstacles_table(records)),
+                notes(self.notes(report::OBSTACLES_LEGEND.map(str::to_owned).to_vec()))
+            ),
         }
     }
 
-    /// For a page: the table of an ablation or of reliability, else every engine on every scene, and
+    /// For a page: the table of an ablation, of reliability or of obstacles, else every engine on every scene, and
     /// how it was measured.
     pub fn for_page(&self) -> String {
         let made_by = format!("made by `{}`", command_line());
-        if matches!(self.view, View::Ablation | View::Reliability) {
+        if matches!(self.view, View::Ablation | View::Reliability | View::Obstacles) {
             return format!("{}* {made_by}\n", self.render(Format::Markdown));
         }
         let mut text = report::overview_table(self.records).to_markdown();
