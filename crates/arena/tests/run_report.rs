@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use arena::dataset::{Case, CaseData};
+use arena::dataset::{Case, CaseData, Obstacles};
 use arena::engine::{Definition, Limits, Programs, Status};
 use arena::record::{Machine, Record};
 use arena::report;
@@ -170,6 +170,32 @@ fn errors_by_confidence_are_shares_of_the_sure_pixels() {
         "sure,0.9,25,0,0,0,0,0,0,0,a/one",
     ];
     assert_eq!(lines, expected);
+}
+
+#[test]
+fn obstacles_are_missed_over_all_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = format!("cp {}/ground/$i.npy disparity.npy", folder.path().display());
+    let ground = engine(folder.path(), "ground", &copy);
+    // A stone 12 px wide stands 2 px before the ground at 8; of the first scene half is missed, of the other one all.
+    for (job, missed) in [2, 4].into_iter().enumerate() {
+        let answer = Plane::from_fn(4, 1, |x, _| if x < missed { 8.5f32 } else { 9.5 });
+        npy::write(folder.path().join(format!("ground/{}.npy", job + 1)), &answer).unwrap();
+    }
+    let mut plan = plan(vec![ground], 1);
+    for case in &mut plan.cases {
+        let before = case.clone();
+        *case = Case::rendered(case.id.clone(), move || {
+            let mut data = before.load().unwrap();
+            let (behind, widths) = (Plane::filled(4, 1, 8.0), Plane::filled(4, 1, 12));
+            data.obstacles = Some(Obstacles { behind, widths });
+            Ok(data)
+        });
+    }
+    let text = report::obstacles_table(&outcome(&plan).records).to_csv();
+    let lines: Vec<&str> = text.lines().skip(1).collect();
+    // It does not say how sure it is.
+    assert_eq!(lines, ["ground,1 to 9,,,,,,", "ground,10 to 16,,,75,,,", "ground,17 on,,,,,,"]);
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod demo;
 mod engine;
 #[cfg(target_os = "linux")]
 mod interrupted;
+mod obstacles;
 mod speed;
 
 use std::path::Path;

@@ -11,7 +11,7 @@
 mod evidence;
 mod plane;
 
-use raster::{Plane, Reason, View};
+use raster::{Plane, View};
 use rayon::prelude::*;
 
 use self::evidence::{Differences, Row, SIDE, decide};
@@ -31,7 +31,6 @@ pub(crate) struct PlaneSmoothing {
 struct Band {
     /// The rows that windows of the images see.
     rows: [Smoothed; SIDE],
-    is_matched: Vec<bool>,
     /// By how much the images differ in a row.
     scratch: Vec<i16>,
 }
@@ -47,8 +46,7 @@ impl PlaneSmoothing {
     /// What it takes for so many disparities in a row, each of which stands for so many columns.
     pub fn bytes(columns: usize, apart: usize) -> usize {
         let row = size_of::<f32>() + 2 * Differences::BYTES;
-        let scratch = size_of::<bool>() + apart * size_of::<i16>();
-        rayon::current_num_threads() * columns * (SIDE * row + scratch)
+        rayon::current_num_threads() * columns * (SIDE * row + apart * size_of::<i16>())
     }
 
     /// Smooths a map whose columns are `apart` pixels of the image apart (1 or 2), as its rows are at the most. What `scratch`
@@ -101,7 +99,7 @@ impl Band {
         out: &mut [f32],
     ) {
         let (columns, rows) = map.values.size();
-        let Self { rows: kept, is_matched, scratch } = self;
+        let Self { rows: kept, scratch } = self;
         let radius = evidence::radius(APART);
         let mut next = start.saturating_sub(radius);
         for (y, out) in (start..).zip(out.chunks_mut(columns)) {
@@ -114,11 +112,8 @@ impl Band {
                 let [before, after] = &kept[(first + j) % SIDE].differences;
                 [before, after]
             });
-            is_matched.clear();
-            let reasons = map.reasons.row(y).iter();
-            is_matched.extend(reasons.map(|&reason| reason == Reason::Matched));
             let (before, smoothed) = (map.values.row(y), &kept[y % SIDE].values);
-            decide::<APART>(level, &window[..end - first], is_matched, before, smoothed, out);
+            decide::<APART>(level, &window[..end - first], before, smoothed, out);
         }
     }
 }
@@ -146,7 +141,7 @@ impl Smoothed {
 
 #[cfg(test)]
 mod tests {
-    use raster::DisparityRange;
+    use raster::{DisparityRange, Reason};
 
     use super::*;
     use crate::cost::MatchedRows;

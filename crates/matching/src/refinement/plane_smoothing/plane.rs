@@ -19,7 +19,7 @@ const SIDE: usize = 2 * RADIUS + 1;
 /// plane is parallel to the image, sees the next stair too.
 const NEAR: [f32; 2] = [2.0, 1.5];
 /// A pixel moves no farther than this, in pixels.
-const FARTHEST: f32 = 1.5;
+const FARTHEST: f32 = 1.0;
 /// So many of the 25 disparities of the window must lie on the plane, or the pixel stays.
 const ENOUGH: f32 = 9.0;
 /// Added to sums of squares of columns and of rows: what lies in a line has no slope across it.

@@ -1,0 +1,70 @@
+//! `hazcam bench --obstacles`: how much of small things matchers miss.
+
+use std::fs;
+use std::path::Path;
+
+use crate::run;
+
+/// A data set with two scenes: a rendered room, and the same pair without its truth.
+fn data(folder: &Path) {
+    let mut settings = scenes::Settings::new(scenes::Kind::Cards, 3);
+    (settings.columns, settings.rows, settings.max_disparity) = (300, 220, 40);
+    let scene = scenes::render(&settings).unwrap();
+    fs::create_dir_all(folder.join("data")).unwrap();
+    formats::write_image(folder.join("data/left.png"), &scene.left).unwrap();
+    formats::write_image(folder.join("data/right.png"), &scene.right).unwrap();
+    formats::write_disparity(folder.join("data/truth.pfm"), &scene.truth_left).unwrap();
+    let one = |name: &str, purpose: &str, truth: &str| {
+        format!(
+            r#"{{"id": "cards/{name}", "use": "{purpose}", "left": "left.png", "right": "right.png"{truth},
+            "max_disparity": 48}}"#
+        )
+    };
+    let known = one("known", "tuning", r#", "truth": "truth.pfm""#);
+    let all = [known, one("unknown", "rover", "")].join(",");
+    fs::write(folder.join("data/scenes.json"), format!("[{all}]")).unwrap();
+}
+
+#[test]
+fn narrow_things_are_missed_more_often_than_wide_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let page = folder.path().join("page.md");
+    fs::write(&page, "<!-- obstacles -->\n<!-- /obstacles -->\n").unwrap();
+    let command =
+        "bench --data data --obstacles -m fast -m balanced --format csv --into page.md -o out";
+    let (csv, _) = run(folder.path(), &command.split(' ').collect::<Vec<_>>(), 0);
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][..3], ["matcher", "width px", "0.7 to 1.5 px: missed %"], "{csv}");
+    let names: Vec<_> = rows[1..].iter().map(|row| (row[0], row[1])).collect();
+    let widths = ["1 to 9", "10 to 16", "17 on"];
+    let expected = ["fast", "balanced"].into_iter().flat_map(|name| widths.map(|w| (name, w)));
+    assert_eq!(names, expected.collect::<Vec<_>>());
+    for matcher in rows[1..].chunks(3) {
+        let missed = |row: &[&str]| -> f64 {
+            let share = |cell: &str| cell.parse::<f64>().ok();
+            // What is missed surely is missed; of some kind there may be none.
+            let is_share =
+                |pair: &[&str]| share(pair[0]) >= share(pair[1]) && share(pair[0]) <= Some(100.0);
+            assert!(row[2..].chunks(2).all(is_share), "{csv}");
+            share(row[6]).unwrap()
+        };
+        assert!(missed(&matcher[0]) > missed(&matcher[2]), "{csv}");
+    }
+    let page = fs::read_to_string(&page).unwrap();
+    assert!(page.contains("| balanced | 1 to 9 |") && page.contains("* missed: pixels"), "{page}");
+    let record = folder.path().join("out/obstacles/cards/known/fast.json");
+    let record = fs::read_to_string(record).unwrap();
+    assert!(record.contains(r#""from_width": 10"#) && record.contains("lie before it"), "{record}");
+    // Where there is no truth nobody is asked.
+    assert!(!folder.path().join("out/obstacles/cards/unknown").exists());
+}
+
+#[test]
+fn without_truth_nothing_can_be_laid() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    let command = "bench --data data --obstacles -m fast --use rover";
+    let (_, stderr) = run(folder.path(), &command.split(' ').collect::<Vec<_>>(), 2);
+    assert!(stderr.contains("truth, by which --obstacles tells what is wrong"), "{stderr}");
+}
