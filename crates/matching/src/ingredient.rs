@@ -211,7 +211,7 @@ impl Ingredient {
             ),
             PlaneSmoothing => (
                 "plane-smoothing",
-                "pixels move onto the plane that their neighbours lie on",
+                "pixels move onto the plane that their neighbours lie on, unless the images speak against it",
                 "the map as paths and choices leave it",
             ),
             LeastSquares => (

@@ -109,9 +109,10 @@ impl Record {
         let last = attempts.last().expect("an engine runs at least once");
         let mut status = last.status.clone();
         let mut scored = RegionScores::default();
+        let mut of_obstacles = Vec::new();
         if let Some(answer) = &last.answer {
             match score(answer, data) {
-                Ok(scores) => scored = scores,
+                Ok(scores) => (scored, of_obstacles) = (scores, missed(answer, data)),
                 Err(error) => status = Status::BadResult { message: error.to_string() },
             }
         }
@@ -148,7 +149,7 @@ impl Record {
             scores: scored.scores,
             by_reason: scored.by_reason,
             by_confidence: scored.by_confidence,
-            missed: last.answer.as_ref().map(|answer| missed(answer, data)).unwrap_or_default(),
+            missed: of_obstacles,
             confidence: scored.confidence,
             reasons,
             usage: median(&runs),

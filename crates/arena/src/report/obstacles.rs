@@ -50,6 +50,7 @@ pub const OBSTACLES_LEGEND: [&str; 3] = [
     "obstacles: pieces of each scene, ellipses and boxes 6 to 32 pixels wide, that lie somewhere else before what is there, \
      seen by both cameras; they cover up to a tenth of it",
     "missed: pixels of obstacles whose disparity is nearer to that of what is behind, or is missing, in per cent of all \
-     that are so wide and stand so many px of disparity before it; surely: those with a confidence of 0.5 and more",
+     that are so wide and stand so many px of disparity before it, in scenes that the matcher answered; surely: those with \
+     a confidence of 0.5 and more",
     "width: the smaller one of an obstacle's width and height",
 ];

@@ -374,8 +374,7 @@ impl SemiGlobalMatching {
         let View { map: left, filled, steps, .. } = &mut self.left;
         if space.count > 0 && ingredients.has(Ingredient::PlaneSmoothing) {
             let scratch = &mut self.right.map.values;
-            let (values, reasons, first) = (&mut *filled, &left.reasons, left.first);
-            let rough = Map { values, reasons, first, rows, range };
+            let rough = Map { values: filled, first: left.first, rows, range };
             let smoothed = self.plane_smoothing.smooth(level, space.apart, grey, rough, scratch);
             profile.end("plane smoothing", smoothed);
         }
@@ -396,8 +395,8 @@ impl SemiGlobalMatching {
         };
         if space.count > 0 && ingredients.has(Ingredient::LeastSquares) {
             let (values, first) = (&mut *values, left.first);
-            let shifted = Map { values, reasons: &*reasons, first, rows, range };
-            profile.end("least squares", self.least_squares.refine(level, grey, shifted));
+            let shifted = Map { values, first, rows, range };
+            profile.end("least squares", self.least_squares.refine(level, grey, reasons, shifted));
         }
         let searched = (space.count > 0).then_some(range);
         profile.end("repetition", self.repetition.find(level, grey[0], search.work, searched));

@@ -110,16 +110,28 @@ impl LeastSquares {
         rayon::current_num_threads() * column * (columns + BLOCK + MARGINS)
     }
 
-    /// Shifts the matches of a map.
-    pub fn refine(&mut self, level: Level, grey: [View<'_, u8>; 2], mut map: Map<'_>) -> Work {
+    /// Shifts the matches of a map, whose reasons say which they are.
+    pub fn refine(
+        &mut self,
+        level: Level,
+        grey: [View<'_, u8>; 2],
+        reasons: &Plane<Reason>,
+        mut map: Map<'_>,
+    ) -> Work {
         let (columns, rows) = map.values.size();
-        (0..ROUNDS).for_each(|_| self.shift(level, grey, &mut map));
+        (0..ROUNDS).for_each(|_| self.shift(level, grey, reasons, &mut map));
         let pixel = Work::bytes(2 + 1 + 2 * 4) + Work::operations(4 * OPERATIONS);
         pixel * (ROUNDS * columns * rows)
     }
 
     /// A round.
-    fn shift(&mut self, level: Level, grey: [View<'_, u8>; 2], map: &mut Map<'_>) {
+    fn shift(
+        &mut self,
+        level: Level,
+        grey: [View<'_, u8>; 2],
+        reasons: &Plane<Reason>,
+        map: &mut Map<'_>,
+    ) {
         let (columns, rows) = map.values.size();
         let height = rows.div_ceil(rayon::current_num_threads());
         self.bands.resize_with(rayon::current_num_threads(), Band::default);
@@ -128,7 +140,7 @@ impl LeastSquares {
             keep(map.values, start.saturating_sub(RADIUS)..start, &mut band.before);
             keep(map.values, end..rows.min(end + RADIUS), &mut band.after);
         }
-        let &mut Map { ref mut values, reasons, first, rows: lines, range } = map;
+        let &mut Map { ref mut values, first, rows: lines, range } = map;
         let seen = |y: usize| {
             let [left, right] = grey.map(|image| image.row(lines.in_image(y)));
             Seen { left, right, first, reasons: reasons.row(y) }
@@ -383,8 +395,8 @@ mod tests {
         (first, rows): (usize, MatchedRows),
     ) {
         let range = DisparityRange::new(0, 20).unwrap();
-        let map = Map { values, reasons, first, rows, range };
-        LeastSquares::default().refine(level, [left.view(), right.view()], map);
+        let map = Map { values, first, rows, range };
+        LeastSquares::default().refine(level, [left.view(), right.view()], reasons, map);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! | `groups` | speckles: groups of pixels that are too small (Hirschmüller 2008) |
 //! | `row_fill`, `plane_fill`, `plane_fit` | holes: from one end to the other, or the background along its plane |
 //! | `choice` | pixels take the plane around them that a learned network expects to be off by the least |
-//! | `plane_smoothing` | staircases: the plane that the neighbours lie on |
+//! | `plane_smoothing` | staircases: the plane that the neighbours lie on, where the images allow it |
 //! | `least_squares` | the fraction of a pixel (Lucas & Kanade 1981) |
 //! | `columns_between`, `rows_between` | what lies between the matched ones |
 //! | `median`, `median_in_steps` | what stands alone |
@@ -27,15 +27,14 @@ pub(crate) mod repetition;
 pub(crate) mod row_fill;
 pub(crate) mod rows_between;
 
-use raster::{DisparityRange, Plane, Reason};
+use raster::{DisparityRange, Plane};
 
 use crate::cost::MatchedRows;
 
-/// A map of the left image: its disparities, why they are there, and where it lies.
+/// A map of the left image: its disparities, and where it lies.
 pub(crate) struct Map<'a> {
     /// In pixels, none missing.
     pub values: &'a mut Plane<f32>,
-    pub reasons: &'a Plane<Reason>,
     /// The column of the image at which it begins.
     pub first: usize,
     pub rows: MatchedRows,

@@ -30,9 +30,10 @@ pub(super) const fn radius(apart: usize) -> usize {
 }
 /// The rows of a window, at most.
 pub(super) const SIDE: usize = 2 * radius(1) + 1;
-/// So many times as likely as by chance, in units of noise squared.
+/// From which logarithm of the likelihood ratio on, twice, disparities stay: chance alone reaches a few.
 const AGAINST: f32 = 12.0;
-/// The least variance of what is left over, in square grey values: that of rounding, in both images.
+/// Added to the variance of what is left over, in square grey values: rounding of both images alone is a sixth, and a
+/// line between columns is not what the camera saw.
 const ROUNDING: f32 = 1.0;
 /// Parts of a grey value.
 const PARTS: f32 = 16.0;
@@ -86,10 +87,12 @@ impl Differences {
 
 at_every_level! {
     /// By how much the images differ in a row: at the first columns that disparities stand for, then at the second ones.
-    /// A match beyond the image is that at its end.
+    /// Beyond the ends of an image there is what is at its end.
     fn differ<const APART: usize>(seen: Row<'_>, values: &[f32], out: &mut [i16]) {
         let Row { left, right, first } = seen;
-        let last = as_number(right.len()) - 2.0;
+        let end = as_number(right.len()) - 1.0;
+        let last = (right.len() as i32 - 2).max(0);
+        let end_of_left = left.last().copied().unwrap_or_default();
         for (s, out) in out.chunks_mut(values.len()).enumerate() {
             let blocks = values.chunks(BLOCK).zip(out.chunks_mut(BLOCK));
             for ((values, out), start) in blocks.zip((0..).step_by(BLOCK)) {
@@ -98,9 +101,9 @@ at_every_level! {
                 let (mut columns, mut parts) = ([0u32; BLOCK], [0.0; BLOCK]);
                 for i in 0..BLOCK {
                     let place = as_number(column + APART * i + s) - d[i];
-                    let place = place.min(last).max(0.0);
+                    let place = place.min(end).max(0.0);
                     // Of a whole column the last part of the one before, which is the same.
-                    let whole = nearest(place - 0.5).max(0);
+                    let whole = nearest(place - 0.5).max(0).min(last);
                     columns[i] = whole as u32;
                     parts[i] = place - whole as f32;
                 }
@@ -109,7 +112,7 @@ at_every_level! {
                     let row = right.get(column as usize..).unwrap_or_default();
                     *samples = row.first_chunk().map_or(0, |two| u16::from_le_bytes(*two));
                 }
-                let grey: [u8; MOST_APART * BLOCK] = around(left, column, 0, 0);
+                let grey: [u8; MOST_APART * BLOCK] = around(left, column, 0, end_of_left);
                 let mut differences = [0i16; BLOCK];
                 for i in 0..BLOCK {
                     let (a, b) = (f32::from(samples[i] & 255), f32::from(samples[i] >> 8));
@@ -223,19 +226,22 @@ mod tests {
     }
 
     impl Seen {
-        /// Noise, and what stands in both images, moved by 5 columns; disparities near that.
+        /// Noise, and what stands in both images, moved by 5 columns or none; disparities near that.
         fn by_chance(columns: usize, rows: usize, apart: usize, first: usize) -> Self {
             let mut chance = Chance((columns + apart) as u32);
-            let width = first + apart * columns;
+            // Of the last disparity's columns the last one is beyond the image.
+            let width = first + apart * columns - (apart - 1);
+            let shift = if columns > 100 { 0 } else { 5 };
             let wide = Plane::from_fn(width + 5, rows, |_, _| chance.bits(8) as u8);
             let mut noisy = |shift: usize| {
                 Plane::from_fn(width, rows, |x, y| {
                     wide.row(y)[x + shift].saturating_add((9.0 * chance.share()) as u8)
                 })
             };
-            let grey = [noisy(0), noisy(5)];
-            let mut near =
-                |off: f32| Plane::from_fn(columns, rows, |_, _| 5.0 + off * (chance.share() - 0.5));
+            let grey = [noisy(0), noisy(shift)];
+            let mut near = |off: f32| {
+                Plane::from_fn(columns, rows, |_, _| shift as f32 + off * (chance.share() - 0.5))
+            };
             Self { grey, first, maps: [near(0.5), near(0.6)] }
         }
 
@@ -278,11 +284,13 @@ mod tests {
                         let right = self.grey[1].row(v);
                         let column = self.first + apart * u + s;
                         let place = column as f64 - f64::from(self.maps[map].row(v)[u]);
-                        let place = place.min(right.len() as f64 - 2.0).max(0.0);
-                        let (whole, part) = (place.floor() as usize, place.fract());
+                        let place = place.min(right.len() as f64 - 1.0).max(0.0);
+                        let whole = (place.floor() as usize).min(right.len() - 2);
+                        let part = place - whole as f64;
                         let [a, b] = [0, 1].map(|i| f64::from(right[whole + i]));
                         let parts = f64::from(PARTS);
-                        let grey = f64::from(self.grey[0].row(v)[column]);
+                        let left = self.grey[0].row(v);
+                        let grey = f64::from(left[column.min(left.len() - 1)]);
                         ((grey - a - part * (b - a)) * parts).round() / parts
                     })
                     .collect();

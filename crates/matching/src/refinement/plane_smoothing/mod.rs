@@ -82,6 +82,7 @@ impl PlaneSmoothing {
             band.smooth::<APART>(level, i * height, grey, &map, out);
         });
         map.values.samples_mut().copy_from_slice(scratch.samples());
+        // Rows that two bands see are smoothed by both, which is not counted.
         let pixel = Work::bytes(4 * size_of::<f32>())
             + Work::operations(plane::OPERATIONS + evidence::operations(APART));
         pixel * (columns * rows)
@@ -141,7 +142,7 @@ impl Smoothed {
 
 #[cfg(test)]
 mod tests {
-    use raster::{DisparityRange, Reason};
+    use raster::DisparityRange;
 
     use super::*;
     use crate::cost::MatchedRows;
@@ -165,16 +166,14 @@ mod tests {
         [Plane::from_fn(columns, rows, &texture), right]
     }
 
-    /// The right map smoothed, every so many-th pixel of it.
+    /// The true map, every so many-th pixel of it, smoothed.
     fn smoothed(level: Level, apart: usize, [left, right]: &[Plane<u8>; 2]) -> Plane<f32> {
         let (columns, rows) = SIZE;
         let mut values = Plane::from_fn(columns / apart, rows / apart, |x, y| {
             if is_stone(apart * x, apart * y) { STONE } else { GROUND }
         });
-        let reasons = values.map(|_| Reason::Matched);
         let map = Map {
             values: &mut values,
-            reasons: &reasons,
             first: 0,
             rows: MatchedRows { top: 0, count: rows / apart, apart },
             range: DisparityRange::new(0, 20).unwrap(),
