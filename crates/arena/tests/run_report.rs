@@ -195,7 +195,10 @@ fn obstacles_are_missed_over_all_scenes() {
     let text = report::obstacles_table(&outcome(&plan).records).to_csv();
     let lines: Vec<&str> = text.lines().skip(1).collect();
     // It does not say how sure it is.
-    assert_eq!(lines, ["ground,1 to 9,,,,,,", "ground,10 to 16,,,75,,,", "ground,17 on,,,,,,"]);
+    assert_eq!(
+        lines,
+        ["ground,up to 9,,,,,,", "ground,10 to 16,,,75,,,", "ground,17 and more,,,,,,"]
+    );
 }
 
 #[test]

@@ -7,10 +7,10 @@ use crate::record::{Missed, Record, STEPS, WIDTHS};
 /// Of each engine, for obstacles of several widths and steps: which share of their pixels is missed, and which is missed
 /// surely, in per cent, over all pixels of all scenes.
 pub fn obstacles_table(records: &[Record]) -> Table {
-    let names = [Column::grouped("matcher"), Column::new("width px")];
+    let names = [Column::grouped("matcher"), Column::new("smaller side px")];
     let steps = STEPS.windows(2).map(|step| span(step[0], step[1], |end| end.is_finite()));
     let columns =
-        steps.flat_map(|step| ["missed", "surely"].map(|what| format!("{step} px: {what} %")));
+        steps.flat_map(|step| ["missed", "surely"].map(|what| format!("step {step} px: {what} %")));
     let columns = names.into_iter().chain(columns.map(Column::new)).collect();
     let mut table = Table { columns, rows: Vec::new() };
     for engine in in_order(records.iter().map(|record| record.engine.as_str())) {
@@ -22,7 +22,10 @@ pub fn obstacles_table(records: &[Record]) -> Table {
         for width in WIDTHS.windows(2) {
             let mut row = vec![
                 Cell::text(engine),
-                Cell::text(span(width[0].max(1), width[1] - 1, |&end| end < usize::MAX - 1)),
+                Cell::text(match width[0] {
+                    0 => format!("up to {}", width[1] - 1),
+                    from => span(from, width[1] - 1, |&end| end < usize::MAX - 1),
+                }),
             ];
             for &from_step in &STEPS[..STEPS.len() - 1] {
                 let here = |m: &&&Missed| m.from_width == width[0] && m.from_step == from_step;
@@ -40,17 +43,17 @@ pub fn obstacles_table(records: &[Record]) -> Table {
     table
 }
 
-/// `a to b`, or `a on` where there is no end.
+/// `a to b`, or `a and more` where there is no end.
 fn span<T: std::fmt::Display>(start: T, end: T, ends: impl Fn(&T) -> bool) -> String {
-    if ends(&end) { format!("{start} to {end}") } else { format!("{start} on") }
+    if ends(&end) { format!("{start} to {end}") } else { format!("{start} and more") }
 }
 
 /// What the table means, to be printed beside it.
 pub const OBSTACLES_LEGEND: [&str; 3] = [
-    "obstacles: pieces of each scene, ellipses and boxes 6 to 32 pixels wide, that lie somewhere else before what is there, \
-     seen by both cameras; they cover up to a tenth of it",
-    "missed: pixels of obstacles whose disparity is nearer to that of what is behind, or is missing, in per cent of all \
-     that are so wide and stand so many px of disparity before it, in scenes that the matcher answered; surely: those with \
-     a confidence of 0.5 and more",
-    "width: the smaller one of an obstacle's width and height",
+    "obstacles: pieces of each scene, ellipses and boxes 6 to 32 pixels wide, that lie somewhere else in it, nearer than \
+     what is there and seen by both cameras; until they cover a tenth of it or no more fit. All images are grey, 8 bits",
+    "missed: pixels whose disparity is nearer to that of what is behind, or is missing, in per cent of all obstacle pixels \
+     of that size and step, over the scenes that the matcher answered; surely: missed pixels with a confidence of at least \
+     0.5, in per cent of the same. What is much too near counts as seen: look at bad 2.0, too",
+    "smaller side: of an obstacle's width and height; step: how many px of disparity it stands before what is behind",
 ];

@@ -35,9 +35,13 @@ fn narrow_things_are_missed_more_often_than_wide_ones() {
         "bench --data data --obstacles -m fast -m balanced --format csv --into page.md -o out";
     let (csv, _) = run(folder.path(), &command.split(' ').collect::<Vec<_>>(), 0);
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0][..3], ["matcher", "width px", "0.7 to 1.5 px: missed %"], "{csv}");
+    assert_eq!(
+        rows[0][..3],
+        ["matcher", "smaller side px", "step 0.7 to 1.5 px: missed %"],
+        "{csv}"
+    );
     let names: Vec<_> = rows[1..].iter().map(|row| (row[0], row[1])).collect();
-    let widths = ["1 to 9", "10 to 16", "17 on"];
+    let widths = ["up to 9", "10 to 16", "17 and more"];
     let expected = ["fast", "balanced"].into_iter().flat_map(|name| widths.map(|w| (name, w)));
     assert_eq!(names, expected.collect::<Vec<_>>());
     for matcher in rows[1..].chunks(3) {
@@ -52,12 +56,32 @@ fn narrow_things_are_missed_more_often_than_wide_ones() {
         assert!(missed(&matcher[0]) > missed(&matcher[2]), "{csv}");
     }
     let page = fs::read_to_string(&page).unwrap();
-    assert!(page.contains("| balanced | 1 to 9 |") && page.contains("* missed: pixels"), "{page}");
+    assert!(page.contains("| balanced | up to 9 |") && page.contains("* missed: pixels"), "{page}");
     let record = folder.path().join("out/obstacles/cards/known/fast.json");
     let record = fs::read_to_string(record).unwrap();
     assert!(record.contains(r#""from_width": 10"#) && record.contains("lie before it"), "{record}");
     // Where there is no truth nobody is asked.
     assert!(!folder.path().join("out/obstacles/cards/unknown").exists());
+}
+
+#[test]
+fn where_nothing_was_measured_what_was_there_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    data(folder.path());
+    // Nothing can be nearer than the scene itself.
+    let catalogue = folder.path().join("data/scenes.json");
+    let narrow = fs::read_to_string(&catalogue).unwrap().replace(": 48", ": 1");
+    fs::write(&catalogue, narrow).unwrap();
+    let text = "<!-- obstacles -->\nold\n<!-- /obstacles -->\n";
+    fs::write(folder.path().join("page.md"), text).unwrap();
+    let command = "bench --data data --obstacles -m fast --into page.md -o out";
+    let (_, stderr) = run(folder.path(), &command.split(' ').collect::<Vec<_>>(), 2);
+    assert!(
+        stderr.contains("no obstacle fits in: ") && !stderr.contains("records are in"),
+        "{stderr}"
+    );
+    assert_eq!(fs::read_to_string(folder.path().join("page.md")).unwrap(), text);
+    assert!(!folder.path().join("out/scores.csv").exists());
 }
 
 #[test]

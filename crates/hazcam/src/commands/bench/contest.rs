@@ -62,7 +62,7 @@ impl Contest {
         output.finish(&records, self.reference.as_deref())?;
         shown?;
         let any_answered = records.iter().any(|record| record.status.message().is_none());
-        if let Some(place) = output.place(any_answered) {
+        if let Some(place) = output.place(any_answered).filter(|_| !records.is_empty()) {
             ui.note(place);
         }
         let is_own = |name: &str| {

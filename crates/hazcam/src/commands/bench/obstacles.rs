@@ -39,7 +39,9 @@ pub fn with_obstacles(case: Case) -> Case {
         let data = case.load().map_err(|error| error.to_string())?;
         let mut random = Random::new(1, &case.id);
         lay(&data, &mut random).ok_or_else(|| {
-            "no piece of it can be laid over it: its truth is known of too few surfaces".to_owned()
+            "no obstacle fits in: the image is small, or its known truth nowhere lies in a plane, or the disparities \
+             to search leave nothing that is nearer"
+                .to_owned()
         })
     });
     laid.purpose = purpose;

@@ -106,10 +106,13 @@ impl Output {
         Tables { records, reference, view: self.view }.render(self.format)
     }
 
-    /// The folder gets the whole result in all formats, the page gets it as an overview.
+    /// The folder gets the whole result in all formats, the page gets it as an overview. A result without anything in it
+    /// takes no other one's place: nor the folder's without a record, nor the page's without an answer.
     pub fn finish(&self, records: &[Record], reference: Option<&str>) -> anyhow::Result<()> {
         let tables = Tables { records, reference, view: self.view };
-        if let Some(folder) = &self.folder {
+        if let Some(folder) = &self.folder
+            && !records.is_empty()
+        {
             for (name, format) in [
                 (TABLE, Format::Markdown),
                 ("scores.csv", Format::Csv),
@@ -119,7 +122,9 @@ impl Output {
                 write_atomically(folder.join(name), |writer| writer.write_all(text.as_bytes()))?;
             }
         }
-        if let Some(page) = &self.page {
+        if let Some(page) = &self.page
+            && records.iter().any(|record| record.status.message().is_none())
+        {
             page.put(&tables.for_page())?;
         }
         Ok(())
