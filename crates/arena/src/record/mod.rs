@@ -21,7 +21,7 @@ use crate::engine::{Attempt, Status, Usage, Worker};
 
 pub use coverage::{Coverage, SURE};
 pub use machine::Machine;
-pub use obstacles::{Missed, STEPS, WIDTHS, missed};
+pub use obstacles::{Missed, STEPS, WIDTHS};
 pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RANKED_BAD, RegionScores, at_least, score};
 
 /// One engine on one scene.
@@ -109,10 +109,9 @@ impl Record {
         let last = attempts.last().expect("an engine runs at least once");
         let mut status = last.status.clone();
         let mut scored = RegionScores::default();
-        let mut of_obstacles = Vec::new();
         if let Some(answer) = &last.answer {
             match score(answer, data) {
-                Ok(scores) => (scored, of_obstacles) = (scores, missed(answer, data)),
+                Ok(scores) => scored = scores,
                 Err(error) => status = Status::BadResult { message: error.to_string() },
             }
         }
@@ -149,7 +148,7 @@ impl Record {
             scores: scored.scores,
             by_reason: scored.by_reason,
             by_confidence: scored.by_confidence,
-            missed: of_obstacles,
+            missed: scored.missed,
             confidence: scored.confidence,
             reasons,
             usage: median(&runs),

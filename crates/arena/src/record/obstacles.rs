@@ -1,7 +1,5 @@
 //! How much of small obstacles an answer misses: what a p_bad that forgives 2 px does not see.
 
-use std::ops::Range;
-
 use serde::Serialize;
 
 use super::coverage::SURE;
@@ -29,33 +27,40 @@ pub struct Missed {
 }
 
 /// What an answer makes of the obstacles of a scene; nothing where none were laid.
-pub fn missed(answer: &Answer, data: &CaseData) -> Vec<Missed> {
+pub(super) fn missed(answer: &Answer, data: &CaseData) -> Vec<Missed> {
     let (Some(obstacles), Some(truth)) = (&data.obstacles, &data.truth) else { return Vec::new() };
-    let group = |from_width: usize, width: Range<usize>, from_step: f32, step: Range<f32>| {
+    // Of either list all but the last begin a group.
+    let [widths, steps] = [WIDTHS.len() - 1, STEPS.len() - 1];
+    let group = |from_width: usize, from_step: f32| {
         let surely = answer.confidence.as_ref().map(|_| 0);
-        let mut group = Missed { from_width, from_step, pixels: 0, missed: 0, surely };
-        for (x, y) in data.bounds.pixels() {
-            let (truth, behind) = (truth.row(y)[x], obstacles.behind.row(y)[x]);
-            // Neither is known everywhere, and what is NaN is in no range.
-            if !width.contains(&obstacles.widths.row(y)[x].into())
-                || !step.contains(&(truth - behind))
-            {
-                continue;
-            }
-            group.pixels += 1;
-            let estimate = answer.disparity.row(y)[x];
-            if (estimate - truth).abs() <= (estimate - behind).abs() {
-                continue;
-            }
-            group.missed += 1;
-            if let (Some(confidence), Some(surely)) = (&answer.confidence, &mut group.surely) {
-                *surely += usize::from(estimate.is_finite() && confidence.row(y)[x] >= SURE);
-            }
-        }
-        group
+        Missed { from_width, from_step, pixels: 0, missed: 0, surely }
     };
-    let widths = WIDTHS.windows(2).flat_map(|w| STEPS.windows(2).map(move |s| (w, s)));
-    widths.map(|(w, s)| group(w[0], w[0].max(1)..w[1], s[0], s[0]..s[1])).collect()
+    let groups =
+        WIDTHS[..widths].iter().flat_map(|&w| STEPS[..steps].iter().map(move |&s| group(w, s)));
+    let mut groups: Vec<Missed> = groups.collect();
+    for (x, y) in data.bounds.pixels() {
+        let width = usize::from(obstacles.widths.row(y)[x]);
+        if width == 0 {
+            continue;
+        }
+        let (truth, behind) = (truth.row(y)[x], obstacles.behind.row(y)[x]);
+        let step = truth - behind;
+        let width = WIDTHS[..widths].iter().rposition(|&from| width >= from);
+        // Neither disparity is known everywhere, and what is not a number or finite is in no range.
+        let step = STEPS[..steps].iter().rposition(|&from| (from..STEPS[steps]).contains(&step));
+        let (Some(width), Some(step)) = (width, step) else { continue };
+        let group = &mut groups[width * steps + step];
+        group.pixels += 1;
+        let estimate = answer.disparity.row(y)[x];
+        if (estimate - truth).abs() <= (estimate - behind).abs() {
+            continue;
+        }
+        group.missed += 1;
+        if let (Some(confidence), Some(surely)) = (&answer.confidence, &mut group.surely) {
+            *surely += usize::from(estimate.is_finite() && confidence.row(y)[x] >= SURE);
+        }
+    }
+    groups
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use raster::{BoundingBox, Reason};
 
+use super::obstacles::{Missed, missed};
 use crate::dataset::CaseData;
 use crate::engine::Answer;
 
@@ -40,6 +41,8 @@ pub struct RegionScores {
     /// Over the pixels that are at least as sure as each of [`LEAST_CONFIDENCES`], if there is a
     /// confidence and any is; their regions are named by [`at_least`].
     pub by_confidence: Vec<Scores>,
+    /// How much of small obstacles is missed, by their width and step; empty where none were laid.
+    pub missed: Vec<Missed>,
     /// How well the confidence ranks errors, if there is a confidence and an estimate to rank.
     pub confidence: Option<ConfidenceScore>,
 }
@@ -100,7 +103,8 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
             }
         }
     };
-    Ok(RegionScores { scores, by_reason, by_confidence, confidence })
+    let missed = missed(answer, data);
+    Ok(RegionScores { scores, by_reason, by_confidence, missed, confidence })
 }
 
 /// The region of pixels that are at least so sure.

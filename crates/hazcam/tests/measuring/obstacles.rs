@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::run;
 
-/// A data set with two scenes: a rendered room, and the same pair without its truth.
+/// A data set with two scenes: rendered cards, and the same pair without its truth.
 fn data(folder: &Path) {
     let mut settings = scenes::Settings::new(scenes::Kind::Cards, 3);
     (settings.columns, settings.rows, settings.max_disparity) = (300, 220, 40);

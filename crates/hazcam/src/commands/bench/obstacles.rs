@@ -73,6 +73,12 @@ struct Run {
     last: usize,
 }
 
+impl Run {
+    fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
+        (self.first..=self.last).map(move |x| (x, self.row))
+    }
+}
+
 /// Part of a scene that lies in a plane, and where it goes.
 struct Piece {
     /// What the left image shows of it, from top to bottom, and the right one.
@@ -239,7 +245,7 @@ impl Piece {
     }
 
     fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.runs.iter().flat_map(|[run, _]| (run.first..=run.last).map(|x| (x, run.row)))
+        self.runs.iter().flat_map(|[of_left, _]| of_left.pixels())
     }
 
     /// Where one of its pixels goes.
@@ -271,26 +277,23 @@ fn outline(x: usize, y: usize, width: usize, height: usize, is_round: bool) -> V
 impl Surface {
     /// The plane that all known disparities within an outline of this size lie on.
     fn of(scene: &Scene, outline: &[Run], size: [usize; 2]) -> Option<Self> {
-        let pixels = || outline.iter().flat_map(|run| (run.first..=run.last).map(|x| (x, run.row)));
-        let known = || {
-            let known =
-                pixels().map(|(x, y)| [x as f64, y as f64, f64::from(scene.truth.row(y)[x])]);
-            known.filter(|known| known[2].is_finite())
-        };
-        let count = known().count();
+        let pixels = || outline.iter().flat_map(|run| run.pixels());
+        let known = pixels().map(|(x, y)| [x as f64, y as f64, f64::from(scene.truth.row(y)[x])]);
+        let known: Vec<[f64; 3]> = known.filter(|known| known[2].is_finite()).collect();
+        let count = known.len() as f64;
         let extent = |i: usize| {
-            let places = known().map(|known| known[i]);
+            let places = known.iter().map(|known| known[i]);
             places.clone().fold(f64::NEG_INFINITY, f64::max) - places.fold(f64::INFINITY, f64::min)
                 + 1.0
         };
         let is_spread = (0..2).all(|i| extent(i) >= SPREAD * size[i] as f64);
-        if count < KNOWN || (count as f64) < SHARE * pixels().count() as f64 || !is_spread {
+        if known.len() < KNOWN || count < SHARE * pixels().count() as f64 || !is_spread {
             return None;
         }
-        let mean = |i: usize| known().map(|known| known[i]).sum::<f64>() / count as f64;
+        let mean = |i: usize| known.iter().map(|known| known[i]).sum::<f64>() / count;
         let means = [0, 1, 2].map(mean);
         let product = |i: usize, j: usize| -> f64 {
-            known().map(|known| (known[i] - means[i]) * (known[j] - means[j])).sum()
+            known.iter().map(|known| (known[i] - means[i]) * (known[j] - means[j])).sum()
         };
         let (xx, xy, yy, xd, yd) =
             (product(0, 0), product(0, 1), product(1, 1), product(0, 2), product(1, 2));
@@ -298,13 +301,13 @@ impl Surface {
         let (across, down) = ((xd * yy - yd * xy) / determinant, (yd * xx - xd * xy) / determinant);
         let at = means[2] - across * means[0] - down * means[1];
         let surface = Self { at: at as f32, across: across as f32, down: down as f32 };
-        let is_flat = |known: [f64; 3]| {
+        let is_flat = |known: &[f64; 3]| {
             (surface.disparity(known[0] as usize, known[1] as usize) - known[2] as f32).abs()
                 <= FLAT
         };
         // Of what lies in a line no plane is a number, and flat.
         let is_gentle = surface.across.abs() < STEEPEST && surface.down.abs() < STEEPEST;
-        (is_gentle && known().all(is_flat)).then_some(surface)
+        (is_gentle && known.iter().all(is_flat)).then_some(surface)
     }
 
     /// What the right image shows of a run, if all of it does.
