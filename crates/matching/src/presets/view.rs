@@ -16,7 +16,7 @@ use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_steps};
 
 /// Smaller groups are speckles: so many pixels of the image.
-const LEAST_GROUP: usize = 60;
+const LEAST_GROUP: usize = 32;
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
