@@ -92,6 +92,11 @@ fn what_cannot_be_is_refused() {
     for (arguments, words_of_error) in [
         ("bench --sweep", "--speed"),
         ("bench --record speed.json", "--speed"),
+        ("bench --record speed.json --use tuning", "cannot be used with"),
+        ("bench --record speed.json --obstacles", "cannot be used with"),
+        ("bench --sweep --jobs 2", "cannot be used with"),
+        ("bench --speed --ablation", "cannot be used with"),
+        ("bench --speed --jobs 2", "cannot be used with"),
         ("bench --speed --recorded", "--record"),
         ("bench --speed --stress", "cannot be used with"),
         ("bench --speed --sweep --data .", "cannot be used with"),

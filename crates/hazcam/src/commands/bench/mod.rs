@@ -90,7 +90,7 @@ pub struct Args {
 
     /// How many matchers work at once; with more than one, times are longer than they are alone
     #[arg(long, value_name = "N", default_value = "1", help_heading = "Matchers")]
-    #[arg(value_parser = arguments::jobs, conflicts_with = "speed")]
+    #[arg(value_parser = arguments::jobs)]
     jobs: NonZeroUsize,
 
     #[command(flatten)]
@@ -99,20 +99,20 @@ pub struct Args {
     /// Show what each ingredient of balanced and best gives, by leaving out one at a time, on the
     /// tuning scenes unless --use says otherwise; `hazcam engine --without` runs one such variant
     #[arg(long, help_heading = "Ablation")]
-    #[arg(conflicts_with_all = ["speed", "stress", "reference", "limits", "engine"])]
+    #[arg(conflicts_with_all = ["stress", "reference", "limits", "engine"])]
     ablation: bool,
 
     /// Show how reliable disparities are by how sure matchers are of them: how many pixels are as sure,
     /// and how many of these are wrong
     #[arg(long, help_heading = "Reliability")]
-    #[arg(conflicts_with_all = ["speed", "stress", "ablation", "reference", "limits"])]
+    #[arg(conflicts_with_all = ["stress", "ablation", "reference", "limits"])]
     reliability: bool,
 
     /// Lay small obstacles over each scene, pieces of itself that are nearer than what is behind them,
     /// and show how much of them matchers miss: pixels whose disparity is nearer to that of what is
     /// behind, or is missing; with --ablation also without each ingredient. Images become grey
     #[arg(long, help_heading = "Reliability")]
-    #[arg(conflicts_with_all = ["speed", "stress", "reliability", "reference", "limits"])]
+    #[arg(conflicts_with_all = ["stress", "reliability", "reference", "limits"])]
     obstacles: bool,
 
     /// How to show the results
