@@ -181,7 +181,7 @@ impl Ingredient {
             ),
             SpeckleFilter => (
                 "speckle-filter",
-                "groups of fewer than 32 pixels go out",
+                "groups that weigh less than 20 sure pixels go out",
                 "groups of any size stay",
             ),
             Interpolation => (

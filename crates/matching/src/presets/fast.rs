@@ -70,7 +70,10 @@ impl Fast {
         if space.count > 0 {
             self.find_winners(frame, &space, numbers, height, map, profile);
             let (disparities, step) = (self.disparities.samples(), numbers.steps(groups::STEP));
-            let work = self.groups.find(self.level, disparities, columns, step, height);
+            let work =
+                self.groups.find(self.level, disparities, columns, step, height, |_, run| {
+                    run.len() as u32
+                });
             profile.end("speckles", work);
             gaps = self.fill_gaps(frame, numbers, height, map);
         } else {
@@ -138,7 +141,7 @@ impl Fast {
     ) -> Work {
         let (bounds, (width, _)) = (frame.bounds, frame.size());
         let columns = bounds.columns();
-        let least = LEAST_GROUP.min(columns * bounds.rows() / LEAST_PART);
+        let least = LEAST_GROUP.min(columns * bounds.rows() / LEAST_PART) as u32;
         let filling =
             Filling { width, first: bounds.x0, numbers, same_surface: numbers.steps(SAME_SURFACE) };
         let (groups, repetition) = (&self.groups, &self.repetition);
@@ -153,7 +156,7 @@ impl Fast {
                     .zip(confidence.chunks_exact_mut(width));
                 for (y, ((disparities, reasons), confidence)) in (i * height..).zip(rows) {
                     let believed =
-                        groups.runs(y).filter(|(_, size)| *size >= least).map(|(run, _)| run);
+                        groups.runs(y).filter(|(_, pixels)| *pixels >= least).map(|(run, _)| run);
                     let row = Row {
                         disparities,
                         reasons: &mut reasons[bounds.x0..=bounds.x1],

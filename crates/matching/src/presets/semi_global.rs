@@ -200,7 +200,8 @@ impl SemiGlobalMatching {
         if !ingredients.has(Ingredient::PathMargin) {
             self.trust_agreement(width, confidence);
         }
-        self.check(search, chooses && ingredients.has(Ingredient::RightChoices), profile);
+        let both = chooses && ingredients.has(Ingredient::RightChoices);
+        self.check(search, both, confidence, profile);
     }
 
     /// Disparities of both views by semi-global matching, along the prior's surfaces or parallel to
@@ -261,7 +262,7 @@ impl SemiGlobalMatching {
         confidence: &mut [f32],
         profile: &mut Profile,
     ) {
-        self.check(search, false, profile);
+        self.check(search, false, confidence, profile);
         let Search { ingredients, level, width, range, .. } = search;
         let View { map, filled, .. } = &mut self.left;
         if ingredients.has(Ingredient::Descriptors) {
@@ -290,8 +291,9 @@ impl SemiGlobalMatching {
         Work::bytes((4 + 4 + 1) * confidence.len())
     }
 
-    /// Checks the left view against the right one, and that against the left one as it was.
-    fn check(&mut self, search: Search<'_>, both: bool, profile: &mut Profile) {
+    /// Checks the left view, which is as sure as `confidence`, against the right one, and that against the left one as it
+    /// was.
+    fn check(&mut self, search: Search<'_>, both: bool, confidence: &[f32], profile: &mut Profile) {
         let View { map, filled: unchecked, .. } = &mut self.left;
         let mut done = Work::default();
         if both {
@@ -302,9 +304,11 @@ impl SemiGlobalMatching {
         if let Some(vertical) = &self.vertical {
             unseen::reject(vertical, search.rows, &mut self.right.map.values);
         }
-        done = done + self.left.check(search, &self.right.map.values, self.right.map.first);
+        let right = (&self.right.map.values, self.right.map.first);
+        done = done + self.left.check(search, right, Some(confidence));
         if both {
-            done = done + self.right.check(search, &self.left.filled, self.left.map.first);
+            let left = (&self.left.filled, self.left.map.first);
+            done = done + self.right.check(search, left, None);
         }
         profile.end(CHECK, done);
     }

@@ -1,6 +1,8 @@
 //! One view of a pair, and what is done to it after matching: checked against the other view, cleared
 //! of speckles, in fixed point.
 
+use std::ops::Range;
+
 use raster::{BoundingBox, DisparityRange, Plane, Reason};
 use rayon::prelude::*;
 
@@ -15,8 +17,12 @@ use crate::refinement::groups::{self, Groups};
 use crate::selection::cross_check::{ViewMap, cross_check};
 use crate::selection::fixed_point::{FixedPoint, row_in_steps};
 
-/// Smaller groups are speckles: so many pixels of the image.
-const LEAST_GROUP: usize = 32;
+/// Groups that weigh less are speckles: so many pixels of the image, each of which weighs as much as it is sure.
+const LEAST_GROUP: f32 = 20.0;
+/// How sure a pixel is taken to be whose confidence is not known.
+const UNKNOWN: f32 = 0.6;
+/// Weights are counted in such parts of a pixel.
+const PARTS: f32 = 64.0;
 
 /// What every stage needs to know.
 #[derive(Clone, Copy)]
@@ -72,10 +78,16 @@ impl View {
         self.map.values.reshape(columns, rows, f32::NAN);
     }
 
-    /// Takes out what the other view does not confirm, and small groups.
-    pub fn check(&mut self, search: Search<'_>, other: &Plane<f32>, other_first: usize) -> Work {
+    /// Takes out what the other view does not confirm, and small groups. `confidence` is that of the map's pixels, if it
+    /// is known.
+    pub fn check(
+        &mut self,
+        search: Search<'_>,
+        (other, other_first): (&Plane<f32>, usize),
+        confidence: Option<&[f32]>,
+    ) -> Work {
         let Search { ingredients, level, numbers, width, .. } = search;
-        let least = LEAST_GROUP / (search.rows.apart * self.map.apart);
+        let area = (search.rows.apart * self.map.apart) as f32;
         let checked = if ingredients.has(Ingredient::LeftRightCheck) {
             cross_check(level, width, &mut self.map, other, other_first)
         } else {
@@ -89,18 +101,23 @@ impl View {
         let written = in_steps(level, numbers, values, &mut self.steps);
         let step = numbers.steps(groups::STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
-        let grouped = self.groups.find(level, self.steps.samples(), columns, step, height);
+        let weight = |y: usize, run: Range<usize>| {
+            weight(confidence, y * columns + run.start..y * columns + run.end)
+        };
+        let grouped = self.groups.find(level, self.steps.samples(), columns, step, height, weight);
+        let least = (PARTS * LEAST_GROUP / area) as u32;
         let groups = &self.groups;
         let rows = values.samples_mut().par_chunks_exact_mut(columns);
         let rows = rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();
         rows.for_each(|(y, (values, reasons))| {
-            let speckles = groups.runs(y).filter(|(_, size)| *size < least);
+            let speckles = groups.runs(y).filter(|(_, weight)| *weight < least);
             for (run, _) in speckles {
                 values[run.clone()].fill(f32::NAN);
                 reasons[run].fill(Reason::MismatchedHole);
             }
         });
-        checked + written + grouped + self.groups.looked_at()
+        let weighed = Work::bytes(confidence.map_or(0, size_of_val));
+        checked + written + weighed + grouped + self.groups.looked_at()
     }
 
     /// Takes every disparity for a match.
@@ -114,6 +131,15 @@ impl View {
     }
 }
 
+/// What pixels weigh that lie side by side in a map with this confidence, or one that is not known.
+fn weight(confidence: Option<&[f32]>, places: Range<usize>) -> u32 {
+    let sure = match confidence {
+        Some(confidence) => confidence[places].iter().sum(),
+        None => UNKNOWN * places.len() as f32,
+    };
+    (PARTS * sure) as u32
+}
+
 /// A map in fixed point.
 pub(super) fn in_steps(
     level: Level,
@@ -125,4 +151,18 @@ pub(super) fn in_steps(
     let rows = steps.samples_mut().par_chunks_mut(values.columns()).enumerate();
     rows.for_each(|(y, steps)| row_in_steps(level, numbers, values.row(y), steps));
     Work::bytes(size_of_val(values.samples()) + size_of_val(steps.samples()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_weighs_as_much_as_it_is_sure() {
+        let confidence = [0.5, 0.25, 1.0, 0.0];
+        assert_eq!(weight(Some(&confidence), 0..3) as f32, 1.75 * PARTS);
+        assert_eq!(weight(Some(&confidence), 3..4), 0);
+        let known = [UNKNOWN; 20];
+        assert!(weight(None, 5..15).abs_diff(weight(Some(&known), 5..15)) <= 1);
+    }
 }

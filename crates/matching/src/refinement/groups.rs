@@ -1,15 +1,15 @@
 //! Speckles: small islands of disparity that stand alone are seldom real.
 //!
 //! Pixels whose disparities differ by at most a step from a neighbour's (above, below, left, right)
-//! belong together; groups of few pixels are not believed (Hirschmueller 2008, section 2.5).
+//! belong together; groups that weigh little are not believed (Hirschmueller 2008, section 2.5, by pixels).
 //!
 //! Rows are cut into runs of pixels that belong together, and runs are joined to groups by
 //! union-find (He et al., *A Run-Based Two-Scan Labeling Algorithm*, 2008). What decides is kept as
 //! one bit per pixel, so 64 pixels are looked at together, and a run is joined to one of the row
 //! above only where the two begin to touch. Bands of rows are grouped on their own, then along
-//! their borders; sizes do not depend on the order of joining.
+//! their borders; weights do not depend on the order of joining.
 //!
-//! In: disparities in fixed point with [`HOLE`]s. Out: the runs of each row and the size of the
+//! In: disparities in fixed point with [`HOLE`]s. Out: the runs of each row and the weight of the
 //! group that a run belongs to.
 
 use std::ops::Range;
@@ -30,8 +30,11 @@ const WORD: usize = 64;
 const HALF: usize = WORD / 2;
 /// Words that are made together.
 const TOGETHER: usize = 16;
-/// Marks a node as the root of its group; the other bits are then the group's size, not its parent.
+/// Marks a node as the root of its group; the other bits are then the group's weight, not its parent.
 const ROOT: u32 = 1 << 31;
+
+/// The most that a group weighs.
+const HEAVIEST: u32 = ROOT - 1;
 
 /// Most pixels that can be grouped: their places need a bit less than a node has.
 pub(crate) const LARGEST: usize = ROOT as usize - 1;
@@ -44,7 +47,7 @@ pub(crate) struct Groups {
     joined: Vec<u64>,
     /// Per row, one bit per pixel: a run begins.
     starts: Vec<u64>,
-    /// Per run, at the place of its first pixel: its parent, or [`ROOT`] and its group's size.
+    /// Per run, at the place of its first pixel: its parent, or [`ROOT`] and its group's weight.
     nodes: Vec<u32>,
 }
 
@@ -63,7 +66,8 @@ impl Groups {
         rows * (2 * size_of::<u64>() * columns.div_ceil(WORD) + size_of::<u32>() * columns)
     }
 
-    /// Groups the pixels of a map of `columns` columns, in bands of `height` rows. Disparities are
+    /// Groups the pixels of a map of `columns` columns, in bands of `height` rows. A group weighs what its runs do,
+    /// of which `weight` is told the row, or [`HEAVIEST`] if that is less. Disparities are
     /// read, bits written; each pixel is compared with a hole, and its difference from the one to the
     /// left and the one above with the step: nine operations of 16 bits, with three for a difference.
     pub fn find(
@@ -73,6 +77,7 @@ impl Groups {
         columns: usize,
         step: u16,
         height: usize,
+        weight: impl Fn(usize, Range<usize>) -> u32 + Sync,
     ) -> Work {
         let rows = disparities.len() / columns;
         let words = columns.div_ceil(WORD);
@@ -90,7 +95,7 @@ impl Groups {
         bands.enumerate().for_each(|(i, (((joined, starts), nodes), disparities))| {
             let mut rows = Rows { columns, first: i * height, joined, starts, nodes };
             for (y, row) in disparities.chunks_exact(columns).enumerate() {
-                rows.cut(level, y, row, step);
+                rows.cut(level, y, row, step, |run| weight(i * height + y, run));
                 if y > 0 {
                     rows.join(level, y, &disparities[(y - 1) * columns..][..2 * columns], step);
                 }
@@ -110,20 +115,20 @@ impl Groups {
         Work::bytes(size_of_val(&self.joined[..]) + size_of_val(&self.starts[..]))
     }
 
-    /// The runs of row `y` from left to right, each with the size of its group.
-    pub fn runs(&self, y: usize) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
+    /// The runs of row `y` from left to right, each with the weight of its group.
+    pub fn runs(&self, y: usize) -> impl Iterator<Item = (Range<usize>, u32)> + '_ {
         let words = self.columns.div_ceil(WORD);
         let bits = y * words..(y + 1) * words;
         let (joined, starts) = (&self.joined[bits.clone()], &self.starts[bits]);
         runs(joined, starts, self.columns)
-            .map(move |run| (run.clone(), self.size(y * self.columns + run.start)))
+            .map(move |run| (run.clone(), self.weight(y * self.columns + run.start)))
     }
 
-    fn size(&self, mut at: usize) -> usize {
+    fn weight(&self, mut at: usize) -> u32 {
         while self.nodes[at] & ROOT == 0 {
             at = self.nodes[at] as usize;
         }
-        (self.nodes[at] & !ROOT) as usize
+        self.nodes[at] & !ROOT
     }
 }
 
@@ -134,13 +139,20 @@ impl Rows<'_> {
     }
 
     /// Cuts row `y` (of these) into runs, each a group of its own.
-    fn cut(&mut self, level: Level, y: usize, row: &[u16], step: u16) {
+    fn cut(
+        &mut self,
+        level: Level,
+        y: usize,
+        row: &[u16],
+        step: u16,
+        weight: impl Fn(Range<usize>) -> u32,
+    ) {
         let bits = self.bits(y);
         let (joined, starts) = (&mut self.joined[bits.clone()], &mut self.starts[bits]);
         mark_runs(level, row, step, joined, starts);
         let nodes = &mut self.nodes[y * self.columns..][..self.columns];
         for run in runs(joined, starts, self.columns) {
-            nodes[run.start] = ROOT | run.len() as u32;
+            nodes[run.start] = ROOT | weight(run.clone()).min(HEAVIEST);
         }
     }
 
@@ -176,7 +188,8 @@ impl Rows<'_> {
         if a != b {
             let offset = self.first * self.columns;
             let (root, other) = (a.min(b), a.max(b));
-            self.nodes[root - offset] += self.nodes[other - offset] & !ROOT;
+            let both = (self.nodes[root - offset] & !ROOT) + (self.nodes[other - offset] & !ROOT);
+            self.nodes[root - offset] = ROOT | both.min(HEAVIEST);
             self.nodes[other - offset] = root as u32;
         }
     }
@@ -308,11 +321,17 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
 
-    /// Group sizes by flooding from every pixel; 0 in holes.
-    fn sizes_by_flooding(map: &[u16], columns: usize, step: u16) -> Vec<usize> {
-        let mut sizes = vec![0; map.len()];
+    /// What the pixel at column `x` of row `y` weighs.
+    fn weight(y: usize, x: usize) -> u32 {
+        (3 * x + 5 * y) as u32 % 7
+    }
+
+    /// Group weights by flooding from every pixel; 0 in holes.
+    fn weights_by_flooding(map: &[u16], columns: usize, step: u16) -> Vec<u32> {
+        let mut weights = vec![0; map.len()];
+        let mut seen = vec![false; map.len()];
         for seed in 0..map.len() {
-            if map[seed] == HOLE || sizes[seed] > 0 {
+            if map[seed] == HOLE || seen[seed] {
                 continue;
             }
             let (mut group, mut next) = (vec![seed], 0);
@@ -332,11 +351,12 @@ mod tests {
                     }
                 }
             }
+            let of_group = group.iter().map(|at| weight(at / columns, at % columns)).sum();
             for &at in &group {
-                sizes[at] = group.len();
+                (weights[at], seen[at]) = (of_group, true);
             }
         }
-        sizes
+        weights
     }
 
     #[test]
@@ -352,14 +372,16 @@ mod tests {
                             if value % 10 < holes { HOLE } else { 100 * (value / 64) + value % 32 }
                         })
                         .collect();
-                    let expected = sizes_by_flooding(&map, columns, 20);
+                    let expected = weights_by_flooding(&map, columns, 20);
                     for height in [1, 2, 5, rows] {
                         let mut groups = Groups::default();
-                        groups.find(level, &map, columns, 20, height);
+                        let by_place =
+                            |y: usize, run: Range<usize>| run.map(|x| weight(y, x)).sum();
+                        groups.find(level, &map, columns, 20, height, by_place);
                         let mut found = vec![0; map.len()];
                         for y in 0..rows {
-                            for (run, size) in groups.runs(y) {
-                                found[y * columns..][run].fill(size);
+                            for (run, weight) in groups.runs(y) {
+                                found[y * columns..][run].fill(weight);
                             }
                         }
                         assert_eq!(found, expected, "{columns} x {rows}, bands of {height}");
@@ -403,8 +425,12 @@ mod tests {
         let mut map: Vec<u16> = (0..12).map(|i| (i % 6) * 10).collect();
         map[3] = 400;
         let mut groups = Groups::default();
-        groups.find(Level::detect(), &map, 6, 10, 2);
+        let by_pixels = |_, run: Range<usize>| run.len() as u32;
+        groups.find(Level::detect(), &map, 6, 10, 2, by_pixels);
         assert_eq!(groups.runs(0).collect::<Vec<_>>(), [(0..3, 11), (3..4, 1), (4..6, 11)]);
         assert_eq!(groups.runs(1).collect::<Vec<_>>(), [(0..6, 11)]);
+        // What is too heavy to be counted stays the heaviest.
+        groups.find(Level::detect(), &map, 6, 10, 1, |_, _| HEAVIEST - 3);
+        assert_eq!(groups.runs(1).collect::<Vec<_>>(), [(0..6, HEAVIEST)]);
     }
 }
