@@ -22,7 +22,8 @@ pub struct CameraArguments {
     focal: Option<f64>,
 
     /// The distance between the cameras in metres
-    #[arg(long, value_name = "M", requires = "focal", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", requires = "focal", conflicts_with = "calibration")]
+    #[arg(allow_hyphen_values = true)]
     baseline: Option<f64>,
 
     /// Column of the right camera's principal point less that of the left one, in pixels

@@ -40,6 +40,7 @@ fn without_a_map_it_tells_what_a_camera_can_do() {
         (format!("{CAMERA} -o depth.pfm"), "<DISPARITY>"),
         (String::new(), "depth needs a camera"),
         ("--calibration calib.txt --doffs 3".into(), "cannot be used with '--doffs <PX>'"),
+        ("--calibration calib.txt --baseline 3".into(), "cannot be used with '--baseline <M>'"),
     ] {
         let told = folder.run(&format!("depth {more}"));
         assert!(told.stderr.contains(words), "{more}: {}", told.stderr);

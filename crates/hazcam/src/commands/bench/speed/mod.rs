@@ -23,24 +23,12 @@ use crate::outputs::{self, Output};
 use crate::ui::Ui;
 use sizes::Size;
 
-/// Options that --speed does not go with. Those that need --speed name them too: what an option needs is not asked for
-/// where another one excludes it.
-const NOT_WITH: [&str; 10] = [
-    "stress",
-    "purpose",
-    "reference",
-    "limits",
-    "jobs",
-    "ablation",
-    "reliability",
-    "obstacles",
-    "out",
-    "pictures",
-];
-
 /// What is asked for besides scenes and engines.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Speed")]
+// Of the group, not of --speed alone: what an option needs is not asked for where another one excludes it.
+#[group(conflicts_with_all = ["stress", "purpose", "reference", "limits", "jobs"])]
+#[group(conflicts_with_all = ["ablation", "reliability", "obstacles", "out", "pictures"])]
 pub struct SpeedArguments {
     /// Measure how long matching alone takes, against OpenCV's matchers of the same kind
     ///
@@ -48,17 +36,17 @@ pub struct SpeedArguments {
     /// disparities and KITTI with 160 (where there is no data, rendered pairs of their sizes), 20 runs
     /// each, and a rendered pair of 3000 x 2000 pixels with 256, 3 runs; --repeat N sets the runs of
     /// all. Without --matcher and --engine, best and OpenCV's WLS run on the first alone.
-    #[arg(long, conflicts_with_all = NOT_WITH)]
+    #[arg(long)]
     pub speed: bool,
 
     /// Measure on rendered sizes from 0.1 to 6 megapixels and 16 to 512 disparities instead, 5 runs
     /// each: does the time per pixel and disparity stay the same?
-    #[arg(long, requires = "speed", conflicts_with = "data", conflicts_with_all = NOT_WITH)]
+    #[arg(long, requires = "speed", conflicts_with = "data")]
     sweep: bool,
 
     /// Keep the runs in this JSON file, in the place of those of the same size, number of threads and
     /// machine; --into then shows all that it holds
-    #[arg(long, value_name = "FILE", requires = "speed", conflicts_with_all = NOT_WITH)]
+    #[arg(long, value_name = "FILE", requires = "speed")]
     record: Option<PathBuf>,
 
     /// Measure nothing, show what --record holds
