@@ -1,5 +1,7 @@
 #![doc = include_str!("fast.md")]
 
+use std::ops::Range;
+
 use raster::{DisparityMap, Plane, Reason};
 use rayon::prelude::*;
 
@@ -70,10 +72,8 @@ impl Fast {
         if space.count > 0 {
             self.find_winners(frame, &space, numbers, height, map, profile);
             let (disparities, step) = (self.disparities.samples(), numbers.steps(groups::STEP));
-            let work =
-                self.groups.find(self.level, disparities, columns, step, height, |_, run| {
-                    run.len() as u32
-                });
+            let pixels = |run: Range<usize>| run.len() as u32;
+            let work = self.groups.find(self.level, disparities, columns, step, height, pixels);
             profile.end("speckles", work);
             gaps = self.fill_gaps(frame, numbers, height, map);
         } else {

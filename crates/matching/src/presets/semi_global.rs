@@ -304,11 +304,11 @@ impl SemiGlobalMatching {
         if let Some(vertical) = &self.vertical {
             unseen::reject(vertical, search.rows, &mut self.right.map.values);
         }
-        let right = (&self.right.map.values, self.right.map.first);
-        done = done + self.left.check(search, right, Some(confidence));
+        let right = &self.right.map;
+        done = done + self.left.check(search, &right.values, right.first, Some(confidence));
         if both {
-            let left = (&self.left.filled, self.left.map.first);
-            done = done + self.right.check(search, left, None);
+            let (unchecked, first) = (&self.left.filled, self.left.map.first);
+            done = done + self.right.check(search, unchecked, first, None);
         }
         profile.end(CHECK, done);
     }

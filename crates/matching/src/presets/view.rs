@@ -83,11 +83,13 @@ impl View {
     pub fn check(
         &mut self,
         search: Search<'_>,
-        (other, other_first): (&Plane<f32>, usize),
+        other: &Plane<f32>,
+        other_first: usize,
         confidence: Option<&[f32]>,
     ) -> Work {
         let Search { ingredients, level, numbers, width, .. } = search;
         let area = (search.rows.apart * self.map.apart) as f32;
+        let least = (PARTS * LEAST_GROUP / area) as u32;
         let checked = if ingredients.has(Ingredient::LeftRightCheck) {
             cross_check(level, width, &mut self.map, other, other_first)
         } else {
@@ -101,11 +103,8 @@ impl View {
         let written = in_steps(level, numbers, values, &mut self.steps);
         let step = numbers.steps(groups::STEP);
         let height = rows.div_ceil(rayon::current_num_threads());
-        let weight = |y: usize, run: Range<usize>| {
-            weight(confidence, y * columns + run.start..y * columns + run.end)
-        };
+        let weight = |run: Range<usize>| weight(confidence, run);
         let grouped = self.groups.find(level, self.steps.samples(), columns, step, height, weight);
-        let least = (PARTS * LEAST_GROUP / area) as u32;
         let groups = &self.groups;
         let rows = values.samples_mut().par_chunks_exact_mut(columns);
         let rows = rows.zip(reasons.samples_mut().par_chunks_exact_mut(columns)).enumerate();

@@ -1,7 +1,8 @@
 //! Speckles: small islands of disparity that stand alone are seldom real.
 //!
 //! Pixels whose disparities differ by at most a step from a neighbour's (above, below, left, right)
-//! belong together; groups that weigh little are not believed (Hirschmueller 2008, section 2.5, by pixels).
+//! belong together; groups that weigh little are not believed (Hirschmueller 2008, section 2.5, counts
+//! their pixels).
 //!
 //! Rows are cut into runs of pixels that belong together, and runs are joined to groups by
 //! union-find (He et al., *A Run-Based Two-Scan Labeling Algorithm*, 2008). What decides is kept as
@@ -67,7 +68,7 @@ impl Groups {
     }
 
     /// Groups the pixels of a map of `columns` columns, in bands of `height` rows. A group weighs what its runs do,
-    /// of which `weight` is told the row, or [`HEAVIEST`] if that is less. Disparities are
+    /// of which `weight` is told the places in the map, or [`HEAVIEST`] if that is less. Disparities are
     /// read, bits written; each pixel is compared with a hole, and its difference from the one to the
     /// left and the one above with the step: nine operations of 16 bits, with three for a difference.
     pub fn find(
@@ -77,7 +78,7 @@ impl Groups {
         columns: usize,
         step: u16,
         height: usize,
-        weight: impl Fn(usize, Range<usize>) -> u32 + Sync,
+        weight: impl Fn(Range<usize>) -> u32 + Sync,
     ) -> Work {
         let rows = disparities.len() / columns;
         let words = columns.div_ceil(WORD);
@@ -95,7 +96,7 @@ impl Groups {
         bands.enumerate().for_each(|(i, (((joined, starts), nodes), disparities))| {
             let mut rows = Rows { columns, first: i * height, joined, starts, nodes };
             for (y, row) in disparities.chunks_exact(columns).enumerate() {
-                rows.cut(level, y, row, step, |run| weight(i * height + y, run));
+                rows.cut(level, y, row, step, &weight);
                 if y > 0 {
                     rows.join(level, y, &disparities[(y - 1) * columns..][..2 * columns], step);
                 }
@@ -151,8 +152,9 @@ impl Rows<'_> {
         let (joined, starts) = (&mut self.joined[bits.clone()], &mut self.starts[bits]);
         mark_runs(level, row, step, joined, starts);
         let nodes = &mut self.nodes[y * self.columns..][..self.columns];
+        let place = (self.first + y) * self.columns;
         for run in runs(joined, starts, self.columns) {
-            nodes[run.start] = ROOT | weight(run.clone()).min(HEAVIEST);
+            nodes[run.start] = ROOT | weight(place + run.start..place + run.end).min(HEAVIEST);
         }
     }
 
@@ -321,9 +323,9 @@ mod tests {
     use super::*;
     use crate::chance::Chance;
 
-    /// What the pixel at column `x` of row `y` weighs.
-    fn weight(y: usize, x: usize) -> u32 {
-        (3 * x + 5 * y) as u32 % 7
+    /// What the pixel at a place of the map weighs.
+    fn weight(place: usize) -> u32 {
+        (3 * place) as u32 % 7
     }
 
     /// Group weights by flooding from every pixel; 0 in holes.
@@ -351,7 +353,7 @@ mod tests {
                     }
                 }
             }
-            let of_group = group.iter().map(|at| weight(at / columns, at % columns)).sum();
+            let of_group = group.iter().map(|&at| weight(at)).sum();
             for &at in &group {
                 (weights[at], seen[at]) = (of_group, true);
             }
@@ -375,8 +377,7 @@ mod tests {
                     let expected = weights_by_flooding(&map, columns, 20);
                     for height in [1, 2, 5, rows] {
                         let mut groups = Groups::default();
-                        let by_place =
-                            |y: usize, run: Range<usize>| run.map(|x| weight(y, x)).sum();
+                        let by_place = |run: Range<usize>| run.map(weight).sum();
                         groups.find(level, &map, columns, 20, height, by_place);
                         let mut found = vec![0; map.len()];
                         for y in 0..rows {
@@ -425,12 +426,12 @@ mod tests {
         let mut map: Vec<u16> = (0..12).map(|i| (i % 6) * 10).collect();
         map[3] = 400;
         let mut groups = Groups::default();
-        let by_pixels = |_, run: Range<usize>| run.len() as u32;
+        let by_pixels = |run: Range<usize>| run.len() as u32;
         groups.find(Level::detect(), &map, 6, 10, 2, by_pixels);
         assert_eq!(groups.runs(0).collect::<Vec<_>>(), [(0..3, 11), (3..4, 1), (4..6, 11)]);
         assert_eq!(groups.runs(1).collect::<Vec<_>>(), [(0..6, 11)]);
         // What is too heavy to be counted stays the heaviest.
-        groups.find(Level::detect(), &map, 6, 10, 1, |_, _| HEAVIEST - 3);
+        groups.find(Level::detect(), &map, 6, 10, 1, |_| HEAVIEST - 3);
         assert_eq!(groups.runs(1).collect::<Vec<_>>(), [(0..6, HEAVIEST)]);
     }
 }
