@@ -35,8 +35,8 @@ def for_course(Il=GREY, Ir=GREY, bbox=((0, 1), (0, 1)), maxd=4):
 INGREDIENTS = (
     "vertical-alignment, noise-smoothing, gradient, adaptive-p2, sub-pixel, uniqueness, "
     "left-right-check, speckle-filter, interpolation, plane-fill, learned-choice, further-choices, "
-    "plane-smoothing, least-squares, median, path-margin, descriptors, noise-check, "
-    "surface-prior, last-surface-run, right-choices"
+    "plane-smoothing, least-squares, median, near-detail, path-margin, descriptors, "
+    "noise-check, surface-prior, last-surface-run, right-choices"
 )
 RANGE = "it must be from -16383 to 16383 pixels"
 SEQUENCE = "a sequence of names is needed: ('median',) for one"

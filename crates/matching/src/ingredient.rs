@@ -49,6 +49,8 @@ pub enum Ingredient {
     LeastSquares,
     /// The median of 5 x 5 pixels.
     Median,
+    /// Nearer matches that the median spares.
+    NearDetail,
     /// Confidence by the margin of the paths' sums.
     PathMargin,
 }
@@ -56,7 +58,7 @@ pub enum Ingredient {
 use Ingredient::*;
 
 /// In the order of the stages.
-const BALANCED: [Ingredient; 16] = [
+const BALANCED: [Ingredient; 17] = [
     VerticalAlignment,
     NoiseSmoothing,
     Gradient,
@@ -72,12 +74,13 @@ const BALANCED: [Ingredient; 16] = [
     PlaneSmoothing,
     LeastSquares,
     Median,
+    NearDetail,
     PathMargin,
 ];
 
 /// All of them but `Interpolation`, since what it closes judges close better, and `NoiseSmoothing`: descriptors
 /// and judges see more in the noise than in what smoothing leaves.
-const BEST: [Ingredient; 19] = [
+const BEST: [Ingredient; 20] = [
     VerticalAlignment,
     Gradient,
     AdaptiveP2,
@@ -96,6 +99,7 @@ const BEST: [Ingredient; 19] = [
     PlaneSmoothing,
     LeastSquares,
     Median,
+    NearDetail,
     PathMargin,
 ];
 
@@ -220,6 +224,11 @@ impl Ingredient {
                 "fractions as the paths and choices leave them",
             ),
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
+            NearDetail => (
+                "near-detail",
+                "the median spares nearer matches that three of their eight neighbours lie beside",
+                "it moves them too",
+            ),
             PathMargin => (
                 "path-margin",
                 "confidence: how far the winner's sum lies below any other, times the judge's certainty",

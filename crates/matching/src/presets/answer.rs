@@ -8,7 +8,7 @@ use crate::ingredient::Ingredient;
 use crate::kernels::level::at_every_level;
 use crate::profile::Work;
 use crate::refinement::blank;
-use crate::refinement::median_in_steps::{Medians, Steps};
+use crate::refinement::median_in_steps::{Medians, Smoothing, Steps};
 use crate::refinement::repetition::Repetition;
 use crate::refinement::rows_between::{self, All, Matched};
 
@@ -64,7 +64,7 @@ impl Answer {
     }
 
     /// The median of 5 x 5 pixels of the left view, of which all rows are there in fixed point, for a box of the
-    /// image.
+    /// image; nearer matches that some neighbours lie beside stay.
     pub fn smooth(
         &mut self,
         search: Search<'_>,
@@ -74,8 +74,12 @@ impl Answer {
         let Search { ingredients, level, work, numbers, range, .. } = search;
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
         let map = Steps { steps: &self.steps, numbers, first: (work.x0, work.y0), range };
-        let smooths = ingredients.has(Ingredient::Median);
-        self.medians.of_box(level, smooths, map, bounds, height, answer)
+        let smoothing = match ingredients.has(Ingredient::NearDetail) {
+            _ if !ingredients.has(Ingredient::Median) => Smoothing::None,
+            true => Smoothing::Sparing,
+            false => Smoothing::All,
+        };
+        self.medians.of_box(level, smoothing, map, bounds, height, answer)
     }
 }
 

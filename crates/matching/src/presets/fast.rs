@@ -15,7 +15,7 @@ use crate::matcher::{Frame, Pipeline};
 use crate::prepare::grey::GreyBuffer;
 use crate::profile::{Profile, Work};
 use crate::refinement::groups::{self, Groups};
-use crate::refinement::median_in_steps::{Medians, Steps};
+use crate::refinement::median_in_steps::{Medians, Smoothing, Steps};
 use crate::refinement::repetition::Repetition;
 use crate::refinement::row_fill::{Filling, Row, copy_nearest_rows, filled};
 use crate::selection::confirm::confirm_row;
@@ -219,7 +219,7 @@ impl Fast {
         let bounds = frame.bounds;
         let first = (bounds.x0, bounds.y0);
         let steps = Steps { steps: &self.disparities, numbers, first, range: frame.range };
-        self.medians.of_box(self.level, true, steps, bounds, height, map)
+        self.medians.of_box(self.level, Smoothing::All, steps, bounds, height, map)
     }
 }
 

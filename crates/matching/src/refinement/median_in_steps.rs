@@ -1,5 +1,5 @@
 //! The median of 5 x 5 pixels of disparities in fixed point, which become disparities in pixels: what
-//! every preset ends with.
+//! every preset ends with, in `balanced` and `best` but for what [`spared`](super::spared) says.
 //!
 //! In: a map without holes, of a part of the image; beyond its borders it is repeated. Out: the rows of
 //! a box inside that part. Bands of rows are done by a thread each; the answer does not depend on them.
@@ -7,7 +7,7 @@
 use raster::{BoundingBox, DisparityMap, DisparityRange, Plane};
 use rayon::prelude::*;
 
-use super::outside;
+use super::{outside, spared};
 use crate::kernels::level::Level;
 use crate::kernels::median::{self, median_of_5_rows, rows_around};
 use crate::profile::Work;
@@ -24,18 +24,28 @@ pub(crate) struct Steps<'a> {
     pub range: DisparityRange,
 }
 
+/// What becomes of disparities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Smoothing {
+    /// Nothing.
+    None,
+    /// Their medians.
+    All,
+    /// Medians but where nearer matches are [`spared`].
+    Sparing,
+}
+
 /// Its memory: a row for each band.
 #[derive(Default)]
 pub(crate) struct Medians(Vec<Vec<u16>>);
 
 impl Medians {
-    /// Writes the medians of a box of the image into `answer`, in pixels; without `smooths`, the
-    /// disparities as they are. Its reasons and confidence are told what now lies outside the right image, or at an end
-    /// of the range. A band has so many rows.
+    /// Writes the medians of a box of the image into `answer`, in pixels, or what `smoothing` says. Its reasons and
+    /// confidence are told what now lies outside the right image, or at an end of the range. A band has so many rows.
     pub fn of_box(
         &mut self,
         level: Level,
-        smooths: bool,
+        smoothing: Smoothing,
         map: Steps<'_>,
         bounds: BoundingBox,
         height: usize,
@@ -43,7 +53,7 @@ impl Medians {
     ) -> Work {
         let Steps { steps, numbers, first: (x0, y0), range } = map;
         let (dx, dy) = (bounds.x0 - x0, bounds.y0 - y0);
-        let width = answer.values.columns();
+        let (width, same) = (answer.values.columns(), numbers.steps(spared::SAME));
         let bands = bounds.rows().div_ceil(height).max(rayon::current_num_threads());
         self.0.resize_with(bands, Vec::new);
         let of_box = bounds.y0 * width..(bounds.y1 + 1) * width;
@@ -57,19 +67,28 @@ impl Medians {
             let known = reasons.chunks_exact_mut(width).zip(confidence.chunks_exact_mut(width));
             let rows = values.chunks_exact_mut(width).zip(known);
             for (y, (row, (reasons, confidence))) in (dy + i * height..).zip(rows) {
-                if smooths {
-                    median_of_5_rows(level, rows_around(steps, y), medians);
-                } else {
-                    medians.copy_from_slice(steps.row(y));
+                let near = rows_around(steps, y);
+                match smoothing {
+                    Smoothing::None => medians.copy_from_slice(steps.row(y)),
+                    _ => median_of_5_rows(level, near, medians),
                 }
                 let part = bounds.x0..=bounds.x1;
                 let (row, reasons) = (&mut row[part.clone()], &mut reasons[part.clone()]);
-                row_in_pixels(level, numbers, &medians[dx..][..row.len()], row);
+                let medians = &mut medians[dx..][..row.len()];
+                if smoothing == Smoothing::Sparing {
+                    let [_, above, own, below, _] = near;
+                    spared::spare_row(level, [above, own, below], dx, same, reasons, medians);
+                }
+                row_in_pixels(level, numbers, medians, row);
                 outside::mark(level, width, bounds.x0, range, row, reasons, &mut confidence[part]);
             }
         });
-        let median = if smooths { median::OPERATIONS } else { 0 };
-        let pixel = Work::bytes(2 + 4 + 2 + 8) + Work::operations(median);
+        let operations = match smoothing {
+            Smoothing::None => 0,
+            Smoothing::All => median::OPERATIONS,
+            Smoothing::Sparing => median::OPERATIONS + spared::OPERATIONS,
+        };
+        let pixel = Work::bytes(2 + 4 + 2 + 8) + Work::operations(operations);
         pixel * (bounds.columns() * bounds.rows())
     }
 }
@@ -101,16 +120,17 @@ mod tests {
             window[12]
         };
         for bounds in [part, BoundingBox::new(7, 6, 29, 18).unwrap()] {
-            for (smooths, height) in
-                [true, false].into_iter().flat_map(|s| [(s, 1), (s, 5), (s, 99)])
-            {
+            let all = [Smoothing::None, Smoothing::All, Smoothing::Sparing];
+            for (smoothing, height) in all.into_iter().flat_map(|s| [(s, 1), (s, 5), (s, 99)]) {
                 let mut answer = DisparityMap::empty(columns, rows);
                 let mut medians = Medians::default();
-                medians.of_box(Level::detect(), smooths, map, bounds, height, &mut answer);
+                medians.of_box(Level::detect(), smoothing, map, bounds, height, &mut answer);
                 for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
                     let expected = bounds.contains(x, y).then(|| {
                         let (x, y) = (x - part.x0, y - part.y0);
-                        numbers.pixels(if smooths { median(x, y) } else { steps.row(y)[x] })
+                        // Nothing is matched that could be spared.
+                        let nothing = smoothing == Smoothing::None;
+                        numbers.pixels(if nothing { steps.row(y)[x] } else { median(x, y) })
                     });
                     let found = answer.values.row(y)[x];
                     assert_eq!(Some(found).filter(|v| !v.is_nan()), expected, "({x}, {y})");

@@ -9,6 +9,7 @@
 //! | `least_squares` | the fraction of a pixel (Lucas & Kanade 1981) |
 //! | `columns_between`, `rows_between` | what lies between the matched ones |
 //! | `median`, `median_in_steps` | what stands alone |
+//! | `spared` | small things that are near: kept from the median |
 //! | `outside`, `blank` | what lies outside the right image, and what shows nothing: reasons |
 //! | `repetition` | what repeats along the rows: confidence |
 
@@ -26,6 +27,7 @@ pub(crate) mod plane_smoothing;
 pub(crate) mod repetition;
 pub(crate) mod row_fill;
 pub(crate) mod rows_between;
+pub(crate) mod spared;
 
 use raster::{DisparityRange, Plane};
 
