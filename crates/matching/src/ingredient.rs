@@ -49,7 +49,7 @@ pub enum Ingredient {
     LeastSquares,
     /// The median of 5 x 5 pixels.
     Median,
-    /// Nearer matches that the median spares.
+    /// Nearer matches that medians spare.
     NearDetail,
     /// Confidence by the margin of the paths' sums.
     PathMargin,
@@ -226,8 +226,8 @@ impl Ingredient {
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             NearDetail => (
                 "near-detail",
-                "the median spares nearer matches that three of their eight neighbours lie beside",
-                "it moves them too",
+                "medians spare nearer matches that three of their eight neighbours lie beside",
+                "they move them too",
             ),
             PathMargin => (
                 "path-margin",

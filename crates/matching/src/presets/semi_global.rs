@@ -110,8 +110,9 @@ impl SemiGlobalMatching {
 
     /// `balanced` or `best`, without some of its ingredients.
     pub fn new(preset: Preset, without: &[Ingredient], level: Level) -> Self {
+        let ingredients = Ingredients::of(preset, without);
         Self {
-            ingredients: Ingredients::of(preset, without),
+            ingredients,
             preset,
             level,
             pair: Pair::default(),
@@ -127,7 +128,7 @@ impl SemiGlobalMatching {
             left: View::default(),
             right: View::default(),
             right_choices: RightChoices::default(),
-            choices: Choices::new(Jury::of(preset)),
+            choices: Choices::new(Jury::of(preset), ingredients.has(Ingredient::NearDetail)),
             confidence: Plane::default(),
             between: columns_between::Sources::default(),
             repetition: Repetition::default(),

@@ -77,7 +77,7 @@ impl Medians {
                 let medians = &mut medians[dx..][..row.len()];
                 if smoothing == Smoothing::Sparing {
                     let [_, above, own, below, _] = near;
-                    spared::spare_row(level, [above, own, below], dx, same, reasons, medians);
+                    spared::spare_in_steps(level, [above, own, below], dx, same, reasons, medians);
                 }
                 row_in_pixels(level, numbers, medians, row);
                 outside::mark(level, width, bounds.x0, range, row, reasons, &mut confidence[part]);

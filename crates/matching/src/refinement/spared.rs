@@ -1,61 +1,108 @@
-//! What the median of 5 x 5 pixels spares: matches that are nearer than it would have them, and that some of their
-//! neighbours lie beside.
+//! What medians spare: matches that are nearer than these would have them, and that some of their neighbours lie beside.
 //!
 //! A median takes the corners off all that stands out, and of what is five pixels wide it leaves little. Of stones that
-//! `best` missed it was a third. What stands alone still goes, and so does all that is farther than the median: a
+//! `best` missed that was a third. What stands alone still goes, and so does all that is farther than the median: a
 //! small thing that is nearer may be what a vehicle must see, a small thing that is farther hardly is.
 //!
-//! In: three rows of disparities in fixed point, beyond their ends repeated, and the medians of the middle one. Out: medians
-//! or, where these are spared, the disparities as they were.
+//! In: three rows of disparities, beyond their ends repeated, and the medians of the middle one. Out: medians or, where
+//! these are spared, the disparities as they were.
 
-use raster::Reason;
+use std::ops::{Add, Sub};
 
-use crate::kernels::level::at_every_level;
+use raster::{Plane, Reason};
+use rayon::prelude::*;
+
+use crate::kernels::level::{Level, at_every_level};
 use crate::kernels::median::copy_with_ends;
+use crate::profile::Work;
 
 /// Pixels that are done together.
 const BLOCK: usize = 128;
 /// So many of the eight neighbours at least say the same.
-const ALIKE: u16 = 3;
+const ALIKE: u8 = 3;
 /// Neighbours that differ by at most so many pixels do.
 pub(crate) const SAME: f32 = 1.0;
 
-/// Operations on bytes per pixel of 16 bits: nine differences (two subtractions, of which one leaves nothing), compared and
-/// counted, then the larger number where there are enough.
-pub(crate) const OPERATIONS: usize = (9 * 5 + 3) * 2;
+/// Operations on bytes per pixel of 16 bits: nine differences (the larger number less the smaller one), compared and
+/// counted, then one number or the other.
+pub(crate) const OPERATIONS: usize = (9 * 5 + 4) * 2;
+
+/// Spares disparities of a map without holes, in pixels, of which there are the `medians`.
+pub(crate) fn spare_map(
+    level: Level,
+    values: &Plane<f32>,
+    reasons: &Plane<Reason>,
+    medians: &mut Plane<f32>,
+) -> Work {
+    let (columns, rows) = values.size();
+    let of_rows = medians.samples_mut().par_chunks_mut(columns).enumerate();
+    of_rows.for_each(|(y, medians)| {
+        let near = [y.saturating_sub(1), y, (y + 1).min(rows - 1)].map(|y| values.row(y));
+        spare_in_pixels(level, near, reasons.row(y), medians);
+    });
+    let pixel = Work::bytes(3 * size_of::<f32>() + size_of::<Reason>());
+    (pixel + Work::operations(2 * OPERATIONS)) * (columns * rows)
+}
 
 at_every_level! {
-    /// Spares the disparities of the second of three rows, which are equally long, from column `first` on. `same` is
-    /// [`SAME`] in fixed point.
-    pub(crate) fn spare_row(
+    /// Spares the disparities of the second of three rows, which are equally long, from column `first` on, in fixed
+    /// point; `same` is [`SAME`] of it.
+    pub(crate) fn spare_in_steps(
         rows: [&[u16]; 3],
         first: usize,
         same: u16,
         reasons: &[Reason],
         medians: &mut [u16],
     ) {
-        let mut near = [[0; BLOCK + 2]; 3];
-        let blocks = medians.chunks_mut(BLOCK).zip(reasons.chunks(BLOCK));
-        for (block, (medians, reasons)) in blocks.enumerate() {
-            for (row, near) in rows.iter().zip(&mut near) {
-                copy_with_ends(row, first + block * BLOCK, 1, near);
-            }
-            let mut spared = [0; BLOCK];
-            for i in 0..BLOCK {
-                let own = near[1][i + 1];
-                // It is like itself.
-                let mut alike = 0;
-                for row in &near {
-                    for other in &row[i..i + 3] {
-                        alike += u16::from(other.abs_diff(own) <= same);
-                    }
+        spare(rows, first, same, reasons, medians);
+    }
+
+    /// The same in pixels, all of a row.
+    fn spare_in_pixels(rows: [&[f32]; 3], reasons: &[Reason], medians: &mut [f32]) {
+        spare(rows, 0, SAME, reasons, medians);
+    }
+}
+
+/// Disparities in fixed point and in pixels. Neighbours are counted in the same kind of number, so that vectors have as
+/// many of them.
+trait Disparity:
+    Copy + Default + PartialOrd + Add<Output = Self> + Sub<Output = Self> + From<bool> + From<u8>
+{
+}
+impl Disparity for u16 {}
+impl Disparity for f32 {}
+
+#[inline(always)]
+fn spare<T: Disparity>(
+    rows: [&[T]; 3],
+    first: usize,
+    same: T,
+    reasons: &[Reason],
+    medians: &mut [T],
+) {
+    let mut near = [[T::default(); BLOCK + 2]; 3];
+    let mut enough = [T::default(); BLOCK];
+    let blocks = medians.chunks_mut(BLOCK).zip(reasons.chunks(BLOCK));
+    for (block, (medians, reasons)) in blocks.enumerate() {
+        for (row, near) in rows.iter().zip(&mut near) {
+            copy_with_ends(row, first + block * BLOCK, 1, near);
+        }
+        for i in 0..BLOCK {
+            let own = near[1][i + 1];
+            // It is like itself.
+            let mut alike = T::default();
+            for row in &near {
+                for &other in &row[i..i + 3] {
+                    let apart = if other > own { other - own } else { own - other };
+                    alike = alike + T::from(apart <= same);
                 }
-                spared[i] = if alike > ALIKE { own } else { 0 };
             }
-            for ((median, reason), &spared) in medians.iter_mut().zip(reasons).zip(&spared) {
-                let spared = if *reason == Reason::Matched { spared } else { 0 };
-                *median = (*median).max(spared);
-            }
+            enough[i] = T::from(alike > T::from(ALIKE));
+        }
+        for (i, (median, reason)) in medians.iter_mut().zip(reasons).enumerate() {
+            let own = near[1][i + 1];
+            let is_nearer = (enough[i] > T::default()) & (own > *median);
+            *median = if is_nearer & (*reason == Reason::Matched) { own } else { *median };
         }
     }
 }
@@ -64,13 +111,12 @@ at_every_level! {
 mod tests {
     use super::*;
     use crate::chance::Chance;
-    use crate::kernels::level::Level;
     use Reason::{Matched, MismatchedFilled, OccludedFilled, OutsideRightFilled};
 
     #[test]
     fn a_case_worked_by_hand() {
         #[rustfmt::skip]
-        let rows = [
+        let rows: [[u16; 8]; 3] = [
             [10, 10, 10, 10, 10, 10, 10, 10],
             [10, 30, 34, 10, 10, 90, 10,  0],
             [10, 32, 10, 31, 10, 10, 10, 10],
@@ -78,7 +124,7 @@ mod tests {
         let spared = |reasons: &[Reason]| {
             let mut medians = [10; 8];
             let rows = rows.each_ref().map(|row| row.as_slice());
-            spare_row(Level::detect(), rows, 0, 4, reasons, &mut medians);
+            spare_in_steps(Level::detect(), rows, 0, 4, reasons, &mut medians);
             medians
         };
         // 30 has 34 and 32 beside it, 34 has 30, 32 and 31; 90 stands alone, 0 is farther.
@@ -87,17 +133,20 @@ mod tests {
         assert_eq!(spared(&[MismatchedFilled; 8]), [10; 8]);
     }
 
+    /// Some disparities in steps of 1/16 px, many of which are alike.
+    fn step(chance: &mut Chance) -> u16 {
+        (chance.share().abs() * 4.0) as u16 * 16 + 100
+    }
+
     #[test]
     fn what_is_spared_is_its_definition_at_every_level() {
-        let reasons =
-            [Matched, MismatchedFilled, Matched, OccludedFilled, Matched, OutsideRightFilled];
+        let all = [Matched, MismatchedFilled, Matched, OccludedFilled, Matched, OutsideRightFilled];
         for (width, first, columns) in [(1, 0, 1), (40, 0, 40), (140, 3, 130), (400, 7, 393)] {
             let mut chance = Chance(5);
-            let mut number = || ((chance.share().abs() * 4.0) as u16) * 16 + 100;
             let rows: [Vec<u16>; 3] =
-                std::array::from_fn(|_| (0..width).map(|_| number()).collect());
-            let medians: Vec<u16> = (0..columns).map(|_| number()).collect();
-            let reasons: Vec<Reason> = (0..columns).map(|x| reasons[x * 7 % 6]).collect();
+                std::array::from_fn(|_| (0..width).map(|_| step(&mut chance)).collect());
+            let medians: Vec<u16> = (0..columns).map(|_| step(&mut chance)).collect();
+            let reasons: Vec<Reason> = (0..columns).map(|x| all[x * 7 % 6]).collect();
             let alike = |x: usize| {
                 let near = |i: usize| (x + i).saturating_sub(1).min(width - 1);
                 let all = rows.iter().flat_map(|row| (0..3).map(move |i| row[near(i)]));
@@ -112,17 +161,32 @@ mod tests {
             assert!(columns == 1 || expected != medians, "nothing is spared");
             for level in Level::available() {
                 eprintln!("level {}", level.name());
-                let mut found = medians.clone();
-                spare_row(
-                    level,
-                    rows.each_ref().map(Vec::as_slice),
-                    first,
-                    16,
-                    &reasons,
-                    &mut found,
-                );
+                let (near, mut found) = (rows.each_ref().map(Vec::as_slice), medians.clone());
+                spare_in_steps(level, near, first, 16, &reasons, &mut found);
                 assert_eq!(found, expected, "{columns} columns");
             }
+        }
+    }
+
+    #[test]
+    fn pixels_are_spared_as_steps_are_at_every_level() {
+        let (columns, rows) = (150, 5);
+        let mut chance = Chance(9);
+        let mut map = || Plane::from_fn(columns, rows, |_, _| step(&mut chance));
+        let (values, medians) = (map(), map());
+        let reasons = Plane::from_fn(columns, rows, |x, y| [Matched, OccludedFilled][(x + y) % 2]);
+        let in_pixels = |steps: &Plane<u16>| steps.map(|&steps| f32::from(steps) / 16.0);
+        let mut expected = medians.clone();
+        for y in 0..rows {
+            let near = [y.saturating_sub(1), y, (y + 1).min(rows - 1)].map(|y| values.row(y));
+            let (reasons, expected) = (reasons.row(y), expected.row_mut(y));
+            spare_in_steps(Level::detect(), near, 0, 16, reasons, expected);
+        }
+        assert!(expected.samples() != medians.samples(), "nothing is spared");
+        for level in Level::available() {
+            let mut found = in_pixels(&medians);
+            spare_map(level, &in_pixels(&values), &reasons, &mut found);
+            assert!(found.samples() == in_pixels(&expected).samples(), "level {}", level.name());
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::kernels::level::{Level, at_every_level};
 use crate::profile::Work;
 use crate::refinement::median::median_of_map;
 use crate::refinement::row_fill::filled;
+use crate::refinement::spared;
 use crate::selection::cross_check::ViewMap;
 
 /// A match whose disparity changed by more, in pixels, is not confirmed any more.
@@ -25,6 +26,8 @@ const TOGETHER: usize = 64;
 /// The rounds of a jury with their memory, kept between frames.
 pub(crate) struct Choices {
     jury: &'static Jury,
+    /// Whether medians between the rounds spare what is near.
+    spares: bool,
     /// How sure pixels are, in bytes: what the last judge said, before the first one the paths.
     certainty: Plane<u8>,
     /// The same after the round that runs.
@@ -46,9 +49,11 @@ impl Choices {
         maps + Strip::bytes(columns, rows, width, jury.reach) + workers
     }
 
-    pub fn new(jury: &'static Jury) -> Self {
+    /// Of a jury, between whose rounds medians spare what is near or do not.
+    pub fn new(jury: &'static Jury, spares: bool) -> Self {
         Self {
             jury,
+            spares,
             certainty: Plane::default(),
             next: Plane::default(),
             moved: Moved::default(),
@@ -91,7 +96,7 @@ impl Choices {
         map: &mut ViewMap,
     ) -> Work {
         let ViewMap { values: other, reasons, .. } = map;
-        let Self { jury, certainty, next, moved, strip, workers, .. } = self;
+        let Self { jury, spares, certainty, next, moved, strip, workers, .. } = self;
         let reach = jury.reach;
         let (columns, rows) = values.size();
         workers.resize_with(rayon::current_num_threads(), Default::default);
@@ -103,7 +108,7 @@ impl Choices {
         for (round, judge) in jury.judges.iter().take(rounds).enumerate() {
             if round > 0 {
                 done = done + moved.find(level, other, values);
-                done = done + smooth(level, reach, values, other);
+                done = done + smooth(level, reach, *spares, reasons, values, other);
             }
             for rows in Strip::all(rows) {
                 // What is seen of the images stays.
@@ -131,12 +136,12 @@ impl Choices {
         values: &mut Plane<f32>,
         map: &mut ViewMap,
     ) {
-        let Self { jury, certainty, strip, lesson: Some(lesson), .. } = self else {
+        let Self { jury, spares, certainty, strip, lesson: Some(lesson), .. } = self else {
             return;
         };
         let ViewMap { values: other, reasons, .. } = map;
         if !jury.judges.is_empty() {
-            smooth(level, jury.reach, values, other);
+            smooth(level, jury.reach, *spares, reasons, values, other);
         }
         let pixels = lesson.pick(values, jury.reach.every);
         for rows in Strip::all(values.rows()) {
@@ -148,12 +153,22 @@ impl Choices {
     }
 }
 
-/// Takes out what stands alone between two rounds.
-fn smooth(level: Level, reach: &Reach, values: &mut Plane<f32>, other: &mut Plane<f32>) -> Work {
+/// Takes out what stands alone between two rounds, and nothing that is [`spared`] if something is.
+fn smooth(
+    level: Level,
+    reach: &Reach,
+    spares: bool,
+    reasons: &Plane<Reason>,
+    values: &mut Plane<f32>,
+    other: &mut Plane<f32>,
+) -> Work {
     if !reach.smooths() {
         return Work::default();
     }
-    let done = median_of_map(level, values, other);
+    let mut done = median_of_map(level, values, other);
+    if spares {
+        done = done + spared::spare_map(level, values, reasons, other);
+    }
     std::mem::swap(values, other);
     done
 }
