@@ -226,8 +226,8 @@ impl Ingredient {
             Median => ("median", "a median of 5 x 5 pixels at the end", "none"),
             NearDetail => (
                 "near-detail",
-                "medians spare nearer matches that three of their eight neighbours lie beside",
-                "they move them too",
+                "medians spare matches that are nearer by half a pixel, with three neighbours beside them",
+                "medians of all pixels",
             ),
             PathMargin => (
                 "path-margin",

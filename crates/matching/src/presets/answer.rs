@@ -64,7 +64,7 @@ impl Answer {
     }
 
     /// The median of 5 x 5 pixels of the left view, of which all rows are there in fixed point, for a box of the
-    /// image; nearer matches that some neighbours lie beside stay.
+    /// image; matches nearer than it that some neighbours lie beside stay.
     pub fn smooth(
         &mut self,
         search: Search<'_>,
@@ -74,11 +74,12 @@ impl Answer {
         let Search { ingredients, level, work, numbers, range, .. } = search;
         let height = bounds.rows().div_ceil(rayon::current_num_threads());
         let map = Steps { steps: &self.steps, numbers, first: (work.x0, work.y0), range };
-        let smoothing = match ingredients.has(Ingredient::NearDetail) {
-            _ if !ingredients.has(Ingredient::Median) => Smoothing::None,
-            true => Smoothing::Sparing,
-            false => Smoothing::All,
-        };
+        let smoothing =
+            match [Ingredient::Median, Ingredient::NearDetail].map(|i| ingredients.has(i)) {
+                [false, _] => Smoothing::None,
+                [true, false] => Smoothing::All,
+                [true, true] => Smoothing::Sparing,
+            };
         self.medians.of_box(level, smoothing, map, bounds, height, answer)
     }
 }

@@ -40,8 +40,9 @@ pub(crate) enum Smoothing {
 pub(crate) struct Medians(Vec<Vec<u16>>);
 
 impl Medians {
-    /// Writes the medians of a box of the image into `answer`, in pixels, or what `smoothing` says. Its reasons and
-    /// confidence are told what now lies outside the right image, or at an end of the range. A band has so many rows.
+    /// Writes the medians of a box of the image into `answer`, in pixels, or what `smoothing` says. Its reasons, which
+    /// say what is matched, and its confidence are told what now lies outside the right image, or at an end of the range.
+    /// A band has so many rows.
     pub fn of_box(
         &mut self,
         level: Level,
@@ -97,6 +98,7 @@ impl Medians {
 mod tests {
     use super::*;
     use crate::cost::SearchSpace;
+    use raster::Reason;
 
     #[test]
     fn a_box_has_the_medians_of_the_map_around_it_whatever_the_bands() {
@@ -105,8 +107,12 @@ mod tests {
         let range = DisparityRange::new(-4, 20).unwrap();
         let space = SearchSpace::new(columns, part, range);
         let numbers = FixedPoint::new(&space);
-        let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 6000;
+        // Some are alike, and some are matched.
+        let scramble = |x: usize, y: usize| (x * 7919 + y * 104_729 + x * y * 31) % 61 / 12 * 1200;
         let steps = Plane::from_fn(part.columns(), part.rows(), |x, y| scramble(x, y) as u16);
+        let reason = |x: usize, y: usize| {
+            [Reason::Matched, Reason::MismatchedFilled][(x * 3 + y * 5) % 7 / 5]
+        };
         let map = Steps { steps: &steps, numbers, first: (part.x0, part.y0), range };
         let median = |x: usize, y: usize| {
             let near = |at: usize, by: usize, end: usize| (at + by).saturating_sub(2).min(end - 1);
@@ -119,23 +125,40 @@ mod tests {
             window.sort_unstable();
             window[12]
         };
+        let spared = |x: usize, y: usize| {
+            let own = steps.row(y)[x];
+            let near = |at: usize, by: usize, end: usize| (at + by).saturating_sub(1).min(end - 1);
+            let rows = (0..3).map(|i| steps.row(near(y, i, part.rows())));
+            let all = rows.flat_map(|row| (0..3).map(move |i| row[near(x, i, part.columns())]));
+            let is_matched = reason(x + part.x0, y + part.y0) == Reason::Matched;
+            (is_matched && all.filter(|&other| other == own).count() > 3).then_some(own)
+        };
+        let mut count = 0;
         for bounds in [part, BoundingBox::new(7, 6, 29, 18).unwrap()] {
             let all = [Smoothing::None, Smoothing::All, Smoothing::Sparing];
             for (smoothing, height) in all.into_iter().flat_map(|s| [(s, 1), (s, 5), (s, 99)]) {
                 let mut answer = DisparityMap::empty(columns, rows);
+                answer.reasons = Plane::from_fn(columns, rows, reason);
                 let mut medians = Medians::default();
                 medians.of_box(Level::detect(), smoothing, map, bounds, height, &mut answer);
                 for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
                     let expected = bounds.contains(x, y).then(|| {
                         let (x, y) = (x - part.x0, y - part.y0);
-                        // Nothing is matched that could be spared.
-                        let nothing = smoothing == Smoothing::None;
-                        numbers.pixels(if nothing { steps.row(y)[x] } else { median(x, y) })
+                        let median = median(x, y);
+                        numbers.pixels(match (smoothing, spared(x, y)) {
+                            (Smoothing::None, _) => steps.row(y)[x],
+                            (Smoothing::Sparing, Some(own)) if own > median => {
+                                count += 1;
+                                own
+                            }
+                            _ => median,
+                        })
                     });
                     let found = answer.values.row(y)[x];
                     assert_eq!(Some(found).filter(|v| !v.is_nan()), expected, "({x}, {y})");
                 }
             }
         }
+        assert!(count > 100, "{count} pixels are spared");
     }
 }

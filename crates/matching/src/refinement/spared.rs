@@ -1,11 +1,13 @@
-//! What medians spare: matches that are nearer than these would have them, and that some of their neighbours lie beside.
+//! What medians spare: matches that are nearer than the median by half a pixel, and that some of their neighbours lie
+//! beside.
 //!
-//! A median takes the corners off all that stands out, and of what is five pixels wide it leaves little. Of stones that
-//! `best` missed that was a third. What stands alone still goes, and so does all that is farther than the median: a
-//! small thing that is nearer may be what a vehicle must see, a small thing that is farther hardly is.
+//! A median takes the corners off all that stands out, and of what is five pixels wide it leaves little. A pixel that
+//! stands alone still goes, and so does all that is farther than the median: a small thing that is nearer may be what
+//! a vehicle must see, a small thing that is farther hardly is. In `balanced` a match stands for four pixels, which lie
+//! beside each other.
 //!
-//! In: three rows of disparities, beyond their ends repeated, and the medians of the middle one. Out: medians or, where
-//! these are spared, the disparities as they were.
+//! In: three rows of disparities, beyond their ends repeated (so in a corner a pixel lies beside itself), and the medians
+//! of the middle one. Out: medians or, where these are spared, the disparities as they were.
 
 use std::ops::{Add, Sub};
 
@@ -20,7 +22,8 @@ use crate::profile::Work;
 const BLOCK: usize = 128;
 /// So many of the eight neighbours at least say the same.
 const ALIKE: u8 = 3;
-/// Neighbours that differ by at most so many pixels do.
+/// Neighbours that differ by at most so many pixels do, and what exceeds the median by no more than half of that is not
+/// nearer: of noise the larger half would stay otherwise.
 pub(crate) const SAME: f32 = 1.0;
 
 /// Operations on bytes per pixel of 16 bits: nine differences (the larger number less the smaller one), compared and
@@ -54,12 +57,12 @@ at_every_level! {
         reasons: &[Reason],
         medians: &mut [u16],
     ) {
-        spare(rows, first, same, reasons, medians);
+        spare(rows, first, (same, same / 2), reasons, medians);
     }
 
     /// The same in pixels, all of a row.
     fn spare_in_pixels(rows: [&[f32]; 3], reasons: &[Reason], medians: &mut [f32]) {
-        spare(rows, 0, SAME, reasons, medians);
+        spare(rows, 0, (SAME, SAME / 2.0), reasons, medians);
     }
 }
 
@@ -76,7 +79,7 @@ impl Disparity for f32 {}
 fn spare<T: Disparity>(
     rows: [&[T]; 3],
     first: usize,
-    same: T,
+    (same, beyond): (T, T),
     reasons: &[Reason],
     medians: &mut [T],
 ) {
@@ -101,8 +104,9 @@ fn spare<T: Disparity>(
         }
         for (i, (median, reason)) in medians.iter_mut().zip(reasons).enumerate() {
             let own = near[1][i + 1];
-            let is_nearer = (enough[i] > T::default()) & (own > *median);
-            *median = if is_nearer & (*reason == Reason::Matched) { own } else { *median };
+            let nearer = if own > *median { own - *median } else { T::default() };
+            let is_spared = (enough[i] > T::default()) & (nearer > beyond);
+            *median = if is_spared & (*reason == Reason::Matched) { own } else { *median };
         }
     }
 }
@@ -117,9 +121,9 @@ mod tests {
     fn a_case_worked_by_hand() {
         #[rustfmt::skip]
         let rows: [[u16; 8]; 3] = [
-            [10, 10, 10, 10, 10, 10, 10, 10],
+            [10, 10, 10, 10, 10, 10,  0,  0],
             [10, 30, 34, 10, 10, 90, 10,  0],
-            [10, 32, 10, 31, 10, 10, 10, 10],
+            [10, 32, 10, 31, 10, 10, 10,  0],
         ];
         let spared = |reasons: &[Reason]| {
             let mut medians = [10; 8];
@@ -127,15 +131,15 @@ mod tests {
             spare_in_steps(Level::detect(), rows, 0, 4, reasons, &mut medians);
             medians
         };
-        // 30 has 34 and 32 beside it, 34 has 30, 32 and 31; 90 stands alone, 0 is farther.
+        // 30 has 34 and 32 beside it, 34 has 30, 32 and 31; 90 stands alone, 0 has others and is farther.
         assert_eq!(spared(&[Matched; 8]), [10, 10, 34, 10, 10, 10, 10, 10]);
         // What was filled is a guess.
         assert_eq!(spared(&[MismatchedFilled; 8]), [10; 8]);
     }
 
-    /// Some disparities in steps of 1/16 px, many of which are alike.
+    /// Some disparities in steps of 1/16 px, many of which are alike, or half a pixel and a little more apart.
     fn step(chance: &mut Chance) -> u16 {
-        (chance.share().abs() * 4.0) as u16 * 16 + 100
+        (chance.share().abs() * 4.0) as u16 * 16 + (chance.share().abs() * 10.0) as u16 + 100
     }
 
     #[test]
@@ -154,7 +158,12 @@ mod tests {
             };
             let expected: Vec<u16> = (0..columns)
                 .map(|i| match rows[1][first + i] {
-                    own if reasons[i] == Matched && alike(first + i) >= 3 => own.max(medians[i]),
+                    own if reasons[i] == Matched
+                        && alike(first + i) >= 3
+                        && own > medians[i] + 8 =>
+                    {
+                        own
+                    }
                     _ => medians[i],
                 })
                 .collect();
