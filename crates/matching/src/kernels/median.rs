@@ -28,9 +28,9 @@ pub(crate) const OPERATIONS: usize = (2 * 71 - 28) * 2;
 /// Columns that the windows of a block hold.
 const WIDE: usize = BLOCK + 2 * REACH;
 
-/// Row `y` of a map between the two above and the two below it; beyond its ends they are repeated.
-pub(crate) fn rows_around(map: &Plane<u16>, y: usize) -> [&[u16]; SIDE] {
-    std::array::from_fn(|i| map.row((y + i).saturating_sub(REACH).min(map.rows() - 1)))
+/// Row `y` of a map between as many above as below it, `N` together; beyond the map's ends they are repeated.
+pub(crate) fn rows_around<T, const N: usize>(map: &Plane<T>, y: usize) -> [&[T]; N] {
+    std::array::from_fn(|i| map.row((y + i).saturating_sub(N / 2).min(map.rows() - 1)))
 }
 
 at_every_level! {

@@ -6,7 +6,7 @@ use raster::Plane;
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median::copy_with_ends;
+use crate::kernels::median::{copy_with_ends, rows_around};
 use crate::profile::Work;
 
 /// Pixels that are done together.
@@ -23,9 +23,7 @@ pub(crate) fn median_of_map(level: Level, values: &Plane<f32>, out: &mut Plane<f
 
 /// The medians around row `y` of a map without holes; beyond its ends it is repeated.
 pub(crate) fn median_row(level: Level, values: &Plane<f32>, y: usize, out: &mut [f32]) {
-    let last = values.rows() - 1;
-    let near = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| values.row(y));
-    median_of_3_rows(level, near, out);
+    median_of_3_rows(level, rows_around(values, y), out);
 }
 
 /// The smaller number first.

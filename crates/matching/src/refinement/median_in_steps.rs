@@ -68,17 +68,16 @@ impl Medians {
             let known = reasons.chunks_exact_mut(width).zip(confidence.chunks_exact_mut(width));
             let rows = values.chunks_exact_mut(width).zip(known);
             for (y, (row, (reasons, confidence))) in (dy + i * height..).zip(rows) {
-                let near = rows_around(steps, y);
                 match smoothing {
                     Smoothing::None => medians.copy_from_slice(steps.row(y)),
-                    _ => median_of_5_rows(level, near, medians),
+                    _ => median_of_5_rows(level, rows_around(steps, y), medians),
                 }
                 let part = bounds.x0..=bounds.x1;
                 let (row, reasons) = (&mut row[part.clone()], &mut reasons[part.clone()]);
                 let medians = &mut medians[dx..][..row.len()];
                 if smoothing == Smoothing::Sparing {
-                    let [_, above, own, below, _] = near;
-                    spared::spare_in_steps(level, [above, own, below], dx, same, reasons, medians);
+                    let near = rows_around(steps, y);
+                    spared::spare_in_steps(level, near, dx, same, reasons, medians);
                 }
                 row_in_pixels(level, numbers, medians, row);
                 outside::mark(level, width, bounds.x0, range, row, reasons, &mut confidence[part]);

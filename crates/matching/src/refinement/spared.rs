@@ -15,7 +15,7 @@ use raster::{Plane, Reason};
 use rayon::prelude::*;
 
 use crate::kernels::level::{Level, at_every_level};
-use crate::kernels::median::copy_with_ends;
+use crate::kernels::median::{copy_with_ends, rows_around};
 use crate::profile::Work;
 
 /// Pixels that are done together.
@@ -40,8 +40,7 @@ pub(crate) fn spare_map(
     let (columns, rows) = values.size();
     let of_rows = medians.samples_mut().par_chunks_mut(columns).enumerate();
     of_rows.for_each(|(y, medians)| {
-        let near = [y.saturating_sub(1), y, (y + 1).min(rows - 1)].map(|y| values.row(y));
-        spare_in_pixels(level, near, reasons.row(y), medians);
+        spare_in_pixels(level, rows_around(values, y), reasons.row(y), medians);
     });
     let pixel = Work::bytes(3 * size_of::<f32>() + size_of::<Reason>());
     (pixel + Work::operations(2 * OPERATIONS)) * (columns * rows)
