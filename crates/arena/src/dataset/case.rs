@@ -211,8 +211,10 @@ pub struct CaseRegion {
 pub struct Obstacles {
     /// True disparities of what is behind them, NaN = unknown.
     pub behind: Plane<f32>,
-    /// The width in pixels of the thing that is seen there, or its height if that is less; 0 where there is none.
-    pub widths: Plane<u16>,
+    /// Which of them is seen there, counted from 1; 0 where none is.
+    pub things: Plane<u32>,
+    /// The width of each in pixels, or its height if that is less.
+    pub widths: Vec<usize>,
 }
 
 /// One scene, loaded. All planes have the size of the left image.

@@ -21,7 +21,7 @@ use crate::engine::{Attempt, Status, Usage, Worker};
 
 pub use coverage::{Coverage, SURE};
 pub use machine::Machine;
-pub use obstacles::{Missed, STEPS, WIDTHS};
+pub use obstacles::{FalseAlarms, Missed, STEPS, WIDTHS};
 pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RANKED_BAD, RegionScores, at_least, score};
 
 /// One engine on one scene.
@@ -77,6 +77,9 @@ pub struct Record {
     /// How much of small obstacles is missed, by their width and step; empty where none were laid.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub missed: Vec<Missed>,
+    /// How much of what is around them is taken for some, by how near it looks; empty where none were laid.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub false_alarms: Vec<FalseAlarms>,
     /// How well the engine's confidence ranks its errors.
     pub confidence: Option<ConfidenceScore>,
     /// How many pixels the engine gave each reason, if it gives reasons.
@@ -149,6 +152,7 @@ impl Record {
             by_reason: scored.by_reason,
             by_confidence: scored.by_confidence,
             missed: scored.missed,
+            false_alarms: scored.false_alarms,
             confidence: scored.confidence,
             reasons,
             usage: median(&runs),

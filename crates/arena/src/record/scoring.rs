@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use raster::{BoundingBox, Reason};
 
-use super::obstacles::{Missed, missed};
+use super::obstacles::{FalseAlarms, Missed, false_alarms, missed};
 use crate::dataset::CaseData;
 use crate::engine::Answer;
 
@@ -43,6 +43,8 @@ pub struct RegionScores {
     pub by_confidence: Vec<Scores>,
     /// How much of small obstacles is missed, by their width and step; empty where none were laid.
     pub missed: Vec<Missed>,
+    /// How much of what is around them is taken for some, by how near it looks; empty where none were laid.
+    pub false_alarms: Vec<FalseAlarms>,
     /// How well the confidence ranks errors, if there is a confidence and an estimate to rank.
     pub confidence: Option<ConfidenceScore>,
 }
@@ -103,8 +105,14 @@ pub fn score(answer: &Answer, data: &CaseData) -> Result<RegionScores, ScoreErro
             }
         }
     };
-    let missed = missed(answer, data);
-    Ok(RegionScores { scores, by_reason, by_confidence, missed, confidence })
+    Ok(RegionScores {
+        scores,
+        by_reason,
+        by_confidence,
+        missed: missed(answer, data),
+        false_alarms: false_alarms(answer, data),
+        confidence,
+    })
 }
 
 /// The region of pixels that are at least so sure.

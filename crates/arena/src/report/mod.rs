@@ -23,7 +23,7 @@ use std::str::FromStr;
 pub use coverage::{COVERAGE_LEGEND, coverage_table};
 pub use json::to_json;
 pub use markdown::in_markdown;
-pub use obstacles::{OBSTACLES_LEGEND, obstacles_table};
+pub use obstacles::{OBSTACLES_LEGEND, false_alarms_table, obstacles_table};
 pub use overview::{bad2_table, overview_table};
 pub use reasons::{REASONS_LEGEND, reasons_table};
 pub use regions::{REGIONS_LEGEND, regions_table};

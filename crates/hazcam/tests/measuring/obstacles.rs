@@ -35,28 +35,35 @@ fn narrow_things_are_missed_more_often_than_wide_ones() {
         "bench --data data --obstacles -m fast -m balanced --format csv --into page.md -o out";
     let (csv, _) = run(folder.path(), &command.split(' ').collect::<Vec<_>>(), 0);
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(
-        rows[0][..3],
-        ["matcher", "smaller side px", "step 0.7 to 1.5 px: missed %"],
-        "{csv}"
-    );
-    let names: Vec<_> = rows[1..].iter().map(|row| (row[0], row[1])).collect();
-    let widths = ["up to 9", "10 to 16", "17 and more"];
-    let expected = ["fast", "balanced"].into_iter().flat_map(|name| widths.map(|w| (name, w)));
-    assert_eq!(names, expected.collect::<Vec<_>>());
-    for matcher in rows[1..].chunks(3) {
-        let missed = |row: &[&str]| -> f64 {
-            let share = |cell: &str| cell.parse::<f64>().ok();
-            // What is missed surely is missed; of some kind there may be none.
-            let is_share =
-                |pair: &[&str]| share(pair[0]) >= share(pair[1]) && share(pair[0]) <= Some(100.0);
-            assert!(row[2..].chunks(2).all(is_share), "{csv}");
-            share(row[6]).unwrap()
-        };
-        assert!(missed(&matcher[0]) > missed(&matcher[2]), "{csv}");
+    let names = ["smaller side px", "step px", "matcher", "missed %", "surely %", "overlooked %"];
+    assert_eq!(rows[0], names, "{csv}");
+    // Of both matchers for each step of each width.
+    let kinds = ["up to 9", "10 to 16", "17 and more"]
+        .into_iter()
+        .flat_map(|side| ["0.7 to 1.5", "1.5 to 3", "3 and more"].map(|step| (side, step)));
+    let expected = kinds.flat_map(|(side, step)| ["fast", "balanced"].map(|of| [side, step, of]));
+    let found: Vec<_> = rows[1..].iter().map(|row| [row[0], row[1], row[2]]).collect();
+    assert_eq!(found, expected.collect::<Vec<_>>());
+    let share = |cell: &str| cell.parse::<f64>().ok();
+    for row in &rows[1..] {
+        // What is missed surely is missed; of some kind there may be none.
+        let [missed, surely, overlooked] = [3, 4, 5].map(|i| share(row[i]));
+        assert!(missed >= surely && missed <= Some(100.0), "{csv}");
+        assert!(overlooked <= Some(100.0), "{csv}");
+    }
+    let missed = |matcher: &str, side: &str| {
+        let row = rows.iter().find(|row| row[..3] == [side, "3 and more", matcher]).unwrap();
+        share(row[3]).unwrap()
+    };
+    for matcher in ["fast", "balanced"] {
+        assert!(missed(matcher, "up to 9") > missed(matcher, "17 and more"), "{csv}");
     }
     let page = fs::read_to_string(&page).unwrap();
-    assert!(page.contains("| balanced | up to 9 |") && page.contains("* missed: pixels"), "{page}");
+    assert!(
+        page.contains("| up to 9 | 0.7 to 1.5 | fast |") && page.contains("* overlooked: "),
+        "{page}"
+    );
+    assert!(page.contains("| nearer by px | matcher | false alarms % | surely % |"), "{page}");
     let record = folder.path().join("out/obstacles/cards/known/fast.json");
     let record = fs::read_to_string(record).unwrap();
     assert!(record.contains(r#""from_width": 10"#) && record.contains("lie before it"), "{record}");

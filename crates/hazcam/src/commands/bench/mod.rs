@@ -109,8 +109,9 @@ pub struct Args {
     reliability: bool,
 
     /// Lay small obstacles over each scene, pieces of itself that are nearer than what is behind them,
-    /// and show how much of them matchers miss: pixels whose disparity is nearer to that of what is
-    /// behind, or is missing; with --ablation also without each ingredient. Images become grey
+    /// and show how much of them matchers miss (pixels whose disparity is nearer to that of what is
+    /// behind, or is missing), how many they overlook, and how much around them looks nearer than it
+    /// is; with --ablation also without each ingredient. Images become grey
     #[arg(long, help_heading = "Reliability")]
     #[arg(conflicts_with_all = ["stress", "reliability", "reference", "limits"])]
     obstacles: bool,

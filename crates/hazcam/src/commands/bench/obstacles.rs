@@ -95,7 +95,8 @@ struct Laid<'a> {
     scene: &'a Scene,
     images: [Plane<f32>; 2],
     truth: Plane<f32>,
-    widths: Plane<u16>,
+    things: Plane<u32>,
+    widths: Vec<usize>,
     /// Pixels of the right image that show one.
     taken: Plane<bool>,
 }
@@ -108,7 +109,8 @@ fn lay(data: &CaseData, random: &mut Random) -> Option<CaseData> {
         scene: &scene,
         images: [scene.left.clone(), scene.right.clone()],
         truth: scene.truth.clone(),
-        widths: Plane::filled(columns, rows, 0),
+        things: Plane::filled(columns, rows, 0),
+        widths: Vec::new(),
         taken: scene.nearest.map(|_| false),
     };
     let most = (COVERED * (columns * rows) as f64) as usize;
@@ -132,7 +134,8 @@ fn lay(data: &CaseData, random: &mut Random) -> Option<CaseData> {
     let [left, right] = laid.images.each_ref().map(image);
     let mut after = CaseData::new(left, right, data.range);
     (after.bounds, after.truth) = (data.bounds, Some(laid.truth));
-    after.obstacles = Some(Obstacles { behind: scene.truth.clone(), widths: laid.widths });
+    after.obstacles =
+        Some(Obstacles { behind: scene.truth.clone(), things: laid.things, widths: laid.widths });
     after.protocol = data.protocol.clone();
     after.protocol.push("pieces of the scene lie before it; grey of 8 bits".into());
     Some(after)
@@ -166,7 +169,7 @@ impl Laid<'_> {
                 let (to, row) = piece.moved(x, left.row);
                 let behind = self.scene.truth.row(row)[to];
                 range.contains(&disparity(x))
-                    && self.widths.row(row)[to] == 0
+                    && self.things.row(row)[to] == 0
                     && is_behind(behind, disparity(x))
             });
             let farthest = disparity(left.first).min(disparity(left.last));
@@ -185,13 +188,14 @@ impl Laid<'_> {
     /// Adds a piece that has room.
     fn add(&mut self, piece: &Piece) {
         let [left, right] = &mut self.images;
+        self.widths.push(piece.size[0].min(piece.size[1]));
         for &[of_left, of_right] in &piece.runs {
             for x in of_left.first..=of_left.last {
                 let (to, row) = piece.moved(x, of_left.row);
                 left.row_mut(row)[to] = self.scene.left.row(of_left.row)[x];
                 self.truth.row_mut(row)[to] =
                     self.scene.truth.row(of_left.row)[x] + piece.nearer as f32;
-                self.widths.row_mut(row)[to] = piece.size[0].min(piece.size[1]) as u16;
+                self.things.row_mut(row)[to] = self.widths.len() as u32;
             }
             for x in of_right.first..=of_right.last {
                 if let Some((to, row)) = piece.moved_in_right(x, of_right.row) {
@@ -366,7 +370,7 @@ mod tests {
             let (mut covered, mut beside) = (0, 0);
             for (x, y) in BoundingBox::whole(SIZE.0, SIZE.1).pixels() {
                 let (d, behind) = (truth.row(y)[x], old.row(y)[x]);
-                if obstacles.widths.row(y)[x] == 0 {
+                if obstacles.things.row(y)[x] == 0 {
                     assert!(d.to_bits() == behind.to_bits() && left.row(y)[x] == x as f32);
                     continue;
                 }

@@ -121,8 +121,9 @@ impl Tables<'_> {
                 notes(self.notes(report::RELIABILITY_LEGEND.map(str::to_owned).to_vec()))
             ),
             View::Obstacles => format!(
-                "{}\n{}",
+                "{}\n{}\n{}",
                 show(&report::obstacles_table(records)),
+                show(&report::false_alarms_table(records)),
                 notes(self.notes(report::OBSTACLES_LEGEND.map(str::to_owned).to_vec()))
             ),
         }
