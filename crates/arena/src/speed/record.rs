@@ -43,6 +43,12 @@ impl Run {
         self.measurements.iter().find(|measurement| measurement.engine == engine)
     }
 
+    /// Whether both are of the same images, with as many disparities and threads.
+    pub fn asks_as(&self, other: &Self) -> bool {
+        let asked = |run: &Self| (run.columns, run.rows, run.disparities, run.threads, run.sweep);
+        self.scene == other.scene && asked(self) == asked(other)
+    }
+
     /// Disparities evaluated per second when matching takes so long: every disparity at every pixel
     /// counts, whether or not a matcher has to look at it.
     pub fn rate(&self, seconds: f64) -> f64 {

@@ -1,16 +1,20 @@
 //! Runs as tables: everything that was measured, engines against their peers, and how time grows. Where runs
-//! are of several machines, each row says of which.
+//! are of several machines, the first says in each row of which; in the others rows are of the one that measured
+//! last.
 
 use super::peers::PEERS;
 use super::record::Run;
 use crate::engine::Status;
+use crate::record::Machine;
 use crate::report::{Cell, Column, Table, in_order};
 
 /// One row for each engine of each run: shortest and median time of matching, the rate that follows
 /// from the median, CPU time and memory. There is a column for the status when something failed.
 pub fn measurements_table(runs: &[Run]) -> Table {
-    let places = Places::new(runs);
-    let mut columns = places.columns(["scene", "size", "threads"].map(Column::grouped));
+    let several = runs.windows(2).any(|pair| pair[0].machine != pair[1].machine);
+    let mut columns: Vec<Column> =
+        several.then(|| Column::grouped("machine")).into_iter().collect();
+    columns.extend(["scene", "size", "threads"].map(Column::grouped));
     columns.push(Column::new("matcher"));
     columns.extend(["runs", "min ms", "median ms", "MDE/s", "CPU ms", "MB"].map(Column::new));
     let all = || runs.iter().flat_map(|run| &run.measurements);
@@ -22,7 +26,8 @@ pub fn measurements_table(runs: &[Run]) -> Table {
     for run in runs {
         for measurement in &run.measurements {
             let median = measurement.median();
-            let mut row = places.of(run, place(run));
+            let mut row = Vec::from_iter(several.then(|| Cell::text(run.machine.to_string())));
+            row.extend(place(run));
             row.push(Cell::text(&measurement.engine));
             row.push(Cell::Number(measurement.seconds.len() as f64, 0));
             row.push(milliseconds(measurement.minimum()));
@@ -39,43 +44,54 @@ pub fn measurements_table(runs: &[Run]) -> Table {
     table
 }
 
-/// One row for each pair of [`PEERS`] that met in a run: both medians, how many times as long the
-/// peer takes, hazcam's rate and both peaks of memory.
+/// One row for each pair of [`PEERS`] that met on the machine that measured last: both medians, how many times
+/// as long the peer takes, hazcam's rate and both peaks of memory. How many times as long it takes on each other
+/// machine stands in a column of that machine.
 pub fn peers_table(runs: &[Run]) -> Table {
-    let places = Places::new(runs);
-    let mut columns = places.columns(["scene", "size", "threads"].map(Column::grouped));
+    let machines = latest_first(runs);
+    let mut columns = ["scene", "size", "threads"].map(Column::grouped).to_vec();
     columns.extend(
         ["matcher", "peer", "ms", "peer ms", "ratio", "MDE/s", "MB", "peer MB"].map(Column::new),
     );
+    let others = machines.iter().skip(1);
+    columns.extend(others.map(|machine| Column::new(format!("ratio on {machine}"))));
     let mut table = Table { columns, rows: Vec::new() };
-    for run in runs {
-        for (engine, peer) in PEERS {
-            let (Some(own), Some(other)) = (run.of(engine), run.of(peer)) else { continue };
-            let mut row = places.of(run, place(run));
+    let met = |run: &Run, (engine, peer)| run.of(engine).is_some() && run.of(peer).is_some();
+    for run in runs.iter().filter(|run| Some(&&run.machine) == machines.first()) {
+        for (engine, peer) in PEERS.into_iter().filter(|pair| met(run, *pair)) {
+            let measured = [engine, peer].map(|name| run.of(name));
+            let [own, other] = measured.map(|found| found.and_then(|found| found.median()));
+            let memory = measured.map(|found| found.and_then(|found| found.peak_memory_bytes));
+            let mut row = place(run).to_vec();
             row.extend([Cell::text(engine), Cell::text(peer)]);
-            row.extend([own, other].map(|measurement| milliseconds(measurement.median())));
+            row.extend([own, other].map(milliseconds));
             row.push(Cell::number(run.ratio(engine, peer), 2));
-            row.push(Cell::number(own.median().map(|seconds| run.rate(seconds) / 1e6), 0));
-            row.extend([own, other].map(|measurement| megabytes(measurement.peak_memory_bytes)));
+            row.push(Cell::number(own.map(|seconds| run.rate(seconds) / 1e6), 0));
+            row.extend(memory.map(megabytes));
+            row.extend(machines.iter().skip(1).map(|machine| {
+                let same =
+                    runs.iter().find(|other| other.machine == **machine && run.asks_as(other));
+                Cell::number(same.and_then(|other| other.ratio(engine, peer)), 2)
+            }));
             table.push(row);
         }
     }
     table
 }
 
-/// One row for each run, a column for each engine: nanoseconds per pixel and disparity, which stay
-/// the same from size to size where time grows with the work alone.
+/// One row for each run of the machine that measured last, a column for each engine: nanoseconds per pixel and
+/// disparity, which stay the same from size to size where time grows with the work alone.
 pub fn sweep_table(runs: &[Run]) -> Table {
-    let engines =
-        in_order(runs.iter().flat_map(|run| &run.measurements).map(|found| found.engine.as_str()));
-    let places = Places::new(runs);
-    let mut columns = places.columns(["size", "Mpixel", "threads"].map(Column::new));
+    let machine = latest_first(runs).first().copied();
+    let runs = || runs.iter().filter(|run| Some(&run.machine) == machine);
+    let engines = in_order(runs().flat_map(|run| &run.measurements).map(|found| &*found.engine));
+    let mut columns = ["size", "Mpixel", "threads"].map(Column::new).to_vec();
     columns.extend(engines.iter().map(|engine| Column::new(format!("{engine} ns"))));
     let mut table = Table { columns, rows: Vec::new() };
-    for run in runs {
+    for run in runs() {
         let [_, size, threads] = place(run);
         let megapixels = (run.columns * run.rows) as f64 / 1e6;
-        let mut row = places.of(run, [size, Cell::Number(megapixels, 1), threads]);
+        let mut row = vec![size, Cell::Number(megapixels, 1), threads];
         row.extend(engines.iter().map(|engine| {
             let median = run.of(engine).and_then(|measurement| measurement.median());
             Cell::number(median.map(|seconds| 1e9 / run.rate(seconds)), 2)
@@ -85,21 +101,17 @@ pub fn sweep_table(runs: &[Run]) -> Table {
     table
 }
 
-/// What tells runs from each other: the machine too where there are several.
-struct Places(bool);
-
-impl Places {
-    fn new(runs: &[Run]) -> Self {
-        Self(runs.windows(2).any(|pair| pair[0].machine != pair[1].machine))
-    }
-
-    fn columns(&self, others: [Column; 3]) -> Vec<Column> {
-        self.0.then(|| Column::grouped("machine")).into_iter().chain(others).collect()
-    }
-
-    fn of(&self, run: &Run, others: [Cell; 3]) -> Vec<Cell> {
-        self.0.then(|| Cell::text(run.machine.to_string())).into_iter().chain(others).collect()
-    }
+/// Every machine once, the one that measured last before the others.
+fn latest_first(runs: &[Run]) -> Vec<&Machine> {
+    // Of several that measured on that day, the last in the record.
+    let latest = runs.iter().max_by_key(|run| &run.date).map(|run| &run.machine);
+    let others = runs.iter().map(|run| &run.machine);
+    latest.into_iter().chain(others).fold(Vec::new(), |mut machines, machine| {
+        if !machines.contains(&machine) {
+            machines.push(machine);
+        }
+        machines
+    })
 }
 
 fn place(run: &Run) -> [Cell; 3] {
@@ -162,14 +174,32 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_several_machines_say_of_which() {
-        let runs = [a_run(), Run { machine: another(), ..a_run() }];
-        let name = "\"Another, 4 cores, vector level unknown\"";
-        for table in [measurements_table(&runs), peers_table(&runs), sweep_table(&runs)] {
-            let csv = table.to_csv();
-            let last = csv.lines().last().unwrap();
-            assert!(csv.starts_with("machine,") && last.starts_with(name), "{csv}");
+    fn of_several_machines_the_one_that_measured_last_is_shown_and_what_ratios_the_others_have() {
+        let earlier = Run {
+            measurements: vec![measured("fast", &[0.010]), measured("opencv-bm-9x9", &[0.020])],
+            date: "2026-01-30".into(),
+            machine: another(),
+            ..a_run()
+        };
+        for runs in [[a_run(), earlier.clone()], [earlier.clone(), a_run()]] {
+            let csv = peers_table(&runs).to_csv();
+            let rows: Vec<&str> = csv.lines().collect();
+            assert!(
+                rows[0].ends_with(",\"ratio on Another, 4 cores, vector level unknown\""),
+                "{csv}"
+            );
+            assert!(rows[1].contains(",10,25,2.5,") && rows[1].ends_with(",2"), "{csv}");
+            assert_eq!(rows.len(), 2, "{csv}");
+            assert_eq!(sweep_table(&runs), sweep_table(&[a_run()]));
+            let all = measurements_table(&runs).to_csv();
+            assert_eq!(all.lines().count(), 1 + 3 + 2, "{all}");
+            assert!(all.starts_with("machine,scene,"), "{all}");
+            assert!(all.contains("\"Another, 4 cores, vector level unknown\",strip,"), "{all}");
         }
+        // What the other machine did not measure.
+        let elsewhere = Run { threads: 1, ..earlier };
+        let csv = peers_table(&[a_run(), elsewhere]).to_csv();
+        assert!(csv.lines().count() == 2 && csv.lines().last().unwrap().ends_with(','), "{csv}");
     }
 
     #[test]

@@ -54,7 +54,7 @@ fn a_record_grows_and_a_page_is_made_from_all_of_it() {
     let both = fs::read_to_string(&page).unwrap();
     assert!(both.starts_with("<!-- speed -->\n| size | Mpixel | threads | fast ns |"), "{both}");
     assert!(both.contains("made by `hazcam bench --speed --scenes cones-sized"), "{both}");
-    assert!(both.contains("made by `hazcam bench --speed --sweep"), "{both}");
+    assert!(both.contains("--into page.md`, `hazcam bench --speed --sweep"), "{both}");
     assert!(both.ends_with("\n<!-- /speed -->\nend\n") && !both.contains("old"), "{both}");
     fs::write(&page, "<!-- speed -->\n<!-- /speed -->\nend\n").unwrap();
     let (stdout, _) = run(folder.path(), &words(&format!("bench --speed --recorded {record}")), 0);

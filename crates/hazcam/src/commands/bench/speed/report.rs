@@ -9,7 +9,8 @@ use crate::wrap::wrapped;
 const LEGEND: [&str; 4] = [
     "ms: matching alone by each engine's own clock, median over the runs after one to warm up; the \
      engines take turns; ratio: the peer's time over the matcher's; MDE/s: million disparities \
-     evaluated per second, at the median; ns (sweep): per pixel and disparity",
+     evaluated per second, at the median; ns (sweep): per pixel and disparity; of several machines, \
+     whatever does not name one is of the one that measured last",
     "CPU ms, MB: of the engine's process (median, peak), seen from outside (Linux only), so that files \
      are read and written within, and OpenCV's has Python in it",
     "the images are grey, all of their pixels are answered, and all disparities from 0 on are \
@@ -75,26 +76,24 @@ fn failures(runs: &[Run]) -> Vec<String> {
 
 /// Machines, programs, days and commands, each said once.
 fn conditions(runs: &[Run]) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
+    let mut lines: Vec<(String, String)> = Vec::new();
     for run in runs {
         let machine = &run.machine;
         let opencv = run.measurements.iter().find(|found| found.engine.starts_with("opencv-"));
         let opencv = opencv.and_then(|found| found.version.as_deref());
+        let opencv = opencv.map(|version| format!(", OpenCV {version}")).unwrap_or_default();
         let line = format!(
-            "{}, {} {}; hazcam {}{}; {}; made by `{}`",
-            machine,
-            machine.architecture,
-            machine.system,
-            run.hazcam,
-            opencv.map(|version| format!(", OpenCV {version}")).unwrap_or_default(),
-            run.date,
-            run.command
+            "{machine}, {} {}; hazcam {}{opencv}; {}; made by",
+            machine.architecture, machine.system, run.hazcam, run.date
         );
-        if !lines.contains(&line) {
-            lines.push(line);
+        let command = format!("`{}`", run.command);
+        match lines.iter_mut().find(|(known, _)| *known == line) {
+            Some((_, commands)) if commands.contains(&command) => {}
+            Some((_, commands)) => *commands += &format!(", {command}"),
+            None => lines.push((line, command)),
         }
     }
-    lines
+    lines.into_iter().map(|(line, commands)| format!("{line} {commands}")).collect()
 }
 
 #[cfg(test)]
