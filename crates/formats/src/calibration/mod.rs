@@ -4,7 +4,7 @@
 //! | --- | --- | --- | --- |
 //! | Middlebury, ETH3D `calib.txt` | `cam0=[f 0 cx; 0 f cy; 0 0 1]` | `baseline`, millimetres | `doffs = cx1 - cx0` |
 //! | KITTI | `P0`..`P3` or `P_rect_00`..`P_rect_03`, 3 x 4 | `(P_left[0][3] - P_right[0][3]) / f`, metres | `doffs = P_right[0][2] - P_left[0][2]` |
-//! | OpenCV's YAML or JSON, or lists of its numbers | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
+//! | OpenCV's YAML, JSON or XML, or lists of its numbers | `P1` and `P2` of `stereoRectify`, 3 x 4 | `-P2[0][3] / f`, in the unit of its board, taken as metres | `doffs = P2[0][2] - P1[0][2]` |
 //! | the same without one of these | `Q` of `stereoRectify`, 4 x 4 | `1 / Q[3][2]`, in that unit | `doffs = Q[3][3] / Q[3][2]` |
 //! | ROS's YAML of the right camera | `projection_matrix`, 3 x 4; `P` or `p` of a `CameraInfo` that was printed | `-P[0][3] / f`, metres | as the left one, `doffs = 0` |
 //! | lunar | `f`, `cx0`, `cy` | `baseline_m`, metres | `doffs` |
@@ -12,9 +12,11 @@
 //! `width`, `height`, `ndisp`, `isint`, `vmin` and `vmax` are read from the first layout and the last.
 
 mod kitti;
+mod matrix;
 mod middlebury;
 mod opencv;
 mod ros;
+mod xml;
 mod yaml;
 
 use std::ffi::OsStr;
@@ -60,7 +62,7 @@ pub enum CalibrationLayout {
     Middlebury,
     /// KITTI 2012, 2015 and raw.
     Kitti,
-    /// `P1` and `P2`, or `Q`, in a YAML file of OpenCV's. It does not say in which unit the baseline is: that of the
+    /// `P1` and `P2`, or `Q`, in a file of OpenCV's. It does not say in which unit the baseline is: that of the
     /// squares that the cameras were calibrated with. It is taken as metres.
     OpenCv,
     /// `projection_matrix` in the YAML file of a pair's right camera, as ROS keeps it, or its `CameraInfo` as it is
@@ -180,7 +182,7 @@ pub fn write_calibration(
 
 /// What a file that is no calibration would have to be.
 const NEEDED: &str = "a calibration needs cam0=[f 0 cx; ...] (Middlebury, ETH3D), P0: to P3: or \
-                      P_rect_02: and P_rect_03: (KITTI), P1 and P2 or Q in a .yml of OpenCV's, the \
+                      P_rect_02: and P_rect_03: (KITTI), P1 and P2 or Q in a .yml, .json or .xml of OpenCV's, the \
                       projection_matrix of ROS's right camera, or f=, cx0=, cx1=, cy= and baseline_m=; or \
                       give the focal length in pixels and the baseline in metres";
 
@@ -207,12 +209,6 @@ pub(crate) fn parse(source: &Source) -> Result<Calibration, FormatError> {
     let entries = Entries::of(source, text);
     if opencv::is_opencv(&entries, text) {
         return opencv::parse(&entries, text);
-    }
-    if text.starts_with("<?xml") && text.contains("opencv_storage") {
-        return Err(source.wrong_kind(
-            "an XML file of OpenCV's",
-            "its YAML and JSON are read: save P1 and P2 under a name that ends in .yml (OpenCV: FileStorage)",
-        ));
     }
     if entries.has("T_cn_cnm1") || (entries.has("intrinsics") && entries.has("camera_model")) {
         return Err(source.wrong_kind(
@@ -488,12 +484,6 @@ mod tests {
         assert!(read(one).unwrap_err().contains("rectify the images first"));
         let text = "cam0:\n  intrinsics: [700, 700, 320, 240]\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.1]\n";
         assert!(read(text).unwrap_err().contains("rectify the images first"));
-    }
-
-    #[test]
-    fn other_files_of_opencv_are_told_from_texts_without_a_camera() {
-        let text = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<P1/>\n<P2/>";
-        assert!(read(text).unwrap_err().contains("ends in .yml"));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! YAML and JSON files of OpenCV's `FileStorage`, or of lists, with the matrices of `stereoRectify`.
+//! YAML, JSON and XML files of OpenCV's `FileStorage`, or of lists, with the matrices of `stereoRectify`.
 //!
 //! `P1 = [f 0 cx1 0; 0 f cy 0; 0 0 1 0]`, `P2 = [f 0 cx2 -f b; 0 f cy 0; 0 0 1 0]`, where `b` is in the unit of the
 //! squares that the cameras were calibrated with; or, where they are not there, what makes points of disparities,
@@ -8,8 +8,9 @@ use camera::StereoCamera;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::yaml::{self, Matrix};
+use super::matrix::Matrix;
 use super::{Calibration, CalibrationLayout, Entries};
+use super::{xml, yaml};
 use crate::FormatError;
 
 /// With these OpenCV's files begin; the colon, which no other YAML has, is that of versions before 5.
@@ -17,24 +18,24 @@ const BEGINNINGS: [&str; 2] = ["%YAML:1.0", "%YAML 1.2"];
 
 /// What else is in the file does not matter.
 #[derive(Deserialize)]
-struct Storage {
+pub(super) struct Storage {
     #[serde(rename = "P1")]
-    left: Option<Matrix>,
+    pub left: Option<Matrix>,
     #[serde(rename = "P2")]
-    right: Option<Matrix>,
+    pub right: Option<Matrix>,
     #[serde(rename = "Q")]
-    reprojection: Option<Matrix>,
+    pub reprojection: Option<Matrix>,
     /// As the calibration programs of OpenCV write it.
-    image_width: Option<f64>,
-    image_height: Option<f64>,
+    pub image_width: Option<f64>,
+    pub image_height: Option<f64>,
     #[serde(alias = "imageSize")]
-    image_size: Option<ImageSize>,
+    pub image_size: Option<ImageSize>,
 }
 
 /// A `cv::Size`, or what somebody else calls so.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum ImageSize {
+pub(super) enum ImageSize {
     Size([f64; 2]),
     Other(IgnoredAny),
 }
@@ -47,6 +48,7 @@ const MATRICES: [&str; 3] = ["P1", "P2", "Q"];
 pub(super) fn is_opencv(entries: &Entries<'_>, text: &str) -> bool {
     let is_list = |value: &str| value.is_empty() || value.starts_with(['[', '!']);
     header(text).is_some()
+        || xml::is_storage(text)
         || MATRICES.iter().any(|name| entries.values(name).any(is_list))
         || text.trim_start().starts_with('{')
             && MATRICES.iter().any(|name| text.contains(&format!("\"{name}\"")))
@@ -69,10 +71,15 @@ fn header(text: &str) -> Option<usize> {
 
 /// The pair of `P1` and `P2`, or of `Q`.
 pub(super) fn parse(entries: &Entries<'_>, text: &str) -> Result<Calibration, FormatError> {
-    let begin = header(text).unwrap_or(0);
-    // As many lines above it as there are, so that lines are counted right.
-    let above = "\n".repeat(text[..begin].matches('\n').count());
-    let storage: Storage = yaml::read(entries, &(above + &text[begin..]))?;
+    let storage = match xml::is_storage(text) {
+        true => xml::read(entries, text)?,
+        false => {
+            let begin = header(text).unwrap_or(0);
+            // As many lines above it as there are, so that lines are counted right.
+            let above = "\n".repeat(text[..begin].matches('\n').count());
+            yaml::read::<Storage>(entries, &(above + &text[begin..]))?
+        }
+    };
     let camera = match (storage.left, storage.right, storage.reprojection) {
         (Some(left), Some(right), _) => {
             let [left, right] = [left.projection(entries, "P1")?, right.projection(entries, "P2")?];

@@ -7,7 +7,8 @@
 
 use serde::Deserialize;
 
-use super::yaml::{self, Matrix};
+use super::matrix::Matrix;
+use super::yaml;
 use super::{Calibration, CalibrationLayout, Entries};
 use crate::FormatError;
 
