@@ -90,7 +90,7 @@ impl Fast {
     }
 
     /// Steps 1 to 6: disparities that the right view confirms, and their confidence. Both are written,
-    /// the grey of both images is read. Then the first half of step 10: where the left image repeats.
+    /// the grey of both images is read. Beside them the first half of step 10: where the left image repeats.
     fn find_winners(
         &mut self,
         frame: &Frame<'_>,
@@ -106,28 +106,41 @@ impl Fast {
         let (left, upper) = left.with_upper_bits(level, frame.left);
         let images = [left, right.view(level, frame.right)];
         let confidence = rows_of_box(frame, &mut map.confidence);
-        self.windows
-            .par_iter_mut()
-            .zip(self.disparities.samples_mut().par_chunks_mut(height * columns))
-            .zip(confidence.par_chunks_mut(height * width))
-            .enumerate()
-            .for_each(|(i, ((window, disparities), confidence))| {
-                let rows = (bounds.y0 + i * height, disparities.len() / columns);
-                window.slide(level, images, space, image_height, rows, |row, winners, layout| {
-                    let disparities = &mut disparities[row * columns..][..columns];
-                    let confidence = &mut confidence[row * width + bounds.x0..][..columns];
-                    confirm_row(level, winners, layout, numbers, disparities, confidence);
-                });
+        let match_band = |(i, ((window, disparities), confidence)): (usize, Band<'_>)| {
+            let rows = (bounds.y0 + i * height, disparities.len() / columns);
+            window.slide(level, images, space, image_height, rows, |row, winners, layout| {
+                let disparities = &mut disparities[row * columns..][..columns];
+                let confidence = &mut confidence[row * width + bounds.x0..][..columns];
+                confirm_row(level, winners, layout, numbers, disparities, confidence);
             });
+        };
+        let Self { windows, disparities, repetition, .. } = self;
+        let (first_window, windows) = windows.split_at_mut(1);
+        let first_rows = height.min(bounds.rows());
+        let (of_first, disparities) = disparities.samples_mut().split_at_mut(first_rows * columns);
+        let (confidence_of_first, confidence) = confidence.split_at_mut(first_rows * width);
+        let first = ((&mut first_window[0], of_first), confidence_of_first);
+        let others = windows
+            .par_iter_mut()
+            .zip(disparities.par_chunks_mut(height * columns))
+            .zip(confidence.par_chunks_mut(height * width));
+        // Threads that slept begin late. Whoever is done with its band before them looks for repetitions.
+        let ((_, repeats), ()) = rayon::join(
+            || {
+                rayon::join(
+                    || match_band((0, first)),
+                    || repetition.find(level, upper, bounds, Some(frame.range)),
+                )
+            },
+            || others.enumerate().for_each(|(i, band)| match_band((i + 1, band))),
+        );
         let read = images.iter().map(|image| image.bytes(bounds.rows())).sum::<usize>();
         let written = (size_of::<u16>() + size_of::<f32>()) * columns * bounds.rows();
         let work = Work::bytes(read + written)
             + Work::operations(sad::OPERATIONS) * space.pairs() * bounds.rows()
             + GreyBuffer::work_with_upper_bits(frame.left)
             + GreyBuffer::work(frame.right);
-        profile.end("windows, winners, check", work);
-        let work = self.repetition.find(level, upper, bounds, Some(frame.range));
-        profile.end("repetition", work);
+        profile.end("windows, winners, check, repetition", work + repeats);
     }
 
     /// Steps 7, 8 and 10, row by row: small groups out, gaps filled, what repeats doubted. Whatever these are, all runs are
@@ -249,6 +262,9 @@ impl Pipeline for Fast {
         self.run_in_bands(frame, height, map, profile);
     }
 }
+
+/// What one thread matches: its window, and the rows of disparities and confidence that it writes.
+type Band<'a> = ((&'a mut SlidingWindow, &'a mut [u16]), &'a mut [f32]);
 
 /// The frame with a box that is not narrow.
 fn widened<'a>(frame: &Frame<'a>) -> Frame<'a> {

@@ -32,7 +32,9 @@
 mod memory;
 mod order;
 
-use self::memory::BEFORE;
+use std::ops::Range;
+
+use self::memory::{BEFORE, Indices};
 pub(crate) use self::memory::{Sad, Winners};
 use self::order::{gather_right, tell};
 use super::level::at_every_level;
@@ -56,6 +58,7 @@ const _: () = assert!(SIDE * (LARGEST_COLUMN + 1) >= OUT);
 /// So many disparities are compared together; at the end of the range some of them are not tried. Of sixteen the
 /// compiler unrolls the loops no more, and takes the columns of a vector one by one.
 pub(crate) const TOGETHER: usize = 8;
+const HALF: usize = TOGETHER / 2;
 
 /// So many indices differ in their lower byte; only where there are more, the higher one is looked at.
 const BYTE: usize = 1 << u8::BITS;
@@ -280,20 +283,34 @@ fn match_some<const MANY: bool>(sad: &mut Sad, layout: &Layout, k: usize) {
             );
         }
     }
-    // In the first group there is no sum but that before the first vector.
+    // In the first group there is no sum but that before the first vector. In the next ones there are those of the
+    // last indices alone, in the last ones those of the first.
     let sums = &sums[1..];
-    let rights = sums.len();
-    let right_least = groups_mut(&mut sad.right_least, right * LANES, rights);
-    let right_low = groups_mut(&mut sad.right.low, right * LANES, rights);
-    let right_high = groups_mut(&mut sad.right.high, right * LANES, rights);
-    for j in 0..rights {
-        compare_right::<MANY>(
-            &sums[j],
-            &mut right_least[j],
-            &mut right_low[j],
-            &mut right_high[j],
-            k,
-        );
+    let ends = sums.len() - HALF;
+    let (least, found) = (&mut sad.right_least, &mut sad.right);
+    compare_rights::<MANY, HALF, TOGETHER>(sums, 0..HALF, least, found, right, k);
+    compare_rights::<MANY, 0, TOGETHER>(sums, HALF..ends, least, found, right, k);
+    compare_rights::<MANY, 0, HALF>(sums, ends..sums.len(), least, found, right, k);
+}
+
+/// Compares some groups of sums with the right view's least ones so far, those of the indices `FROM` to `TO` of these
+/// that are compared together; the first group is compared with right vector `right`.
+#[inline(always)]
+fn compare_rights<const MANY: bool, const FROM: usize, const TO: usize>(
+    sums: &[Vectors],
+    range: Range<usize>,
+    least: &mut [u8],
+    found: &mut Indices,
+    right: usize,
+    k: usize,
+) {
+    let (at, count) = ((right + range.start) * LANES, range.len());
+    let sums = &sums[range];
+    let least = groups_mut(least, at, count);
+    let low = groups_mut(&mut found.low, at, count);
+    let high = groups_mut(&mut found.high, at, count);
+    for j in 0..count {
+        compare_right::<MANY, FROM, TO>(&sums[j], &mut least[j], &mut low[j], &mut high[j], k);
     }
 }
 
@@ -384,7 +401,7 @@ fn slide_along<const MANY: bool>(
 /// Compares the sums of indices `k ..` with the least ones so far of the right view, of left columns that match the
 /// same right ones.
 #[inline(always)]
-fn compare_right<const MANY: bool>(
+fn compare_right<const MANY: bool, const FROM: usize, const TO: usize>(
     sums: &Vectors,
     least: &mut [u8; LANES],
     low: &mut [u8; LANES],
@@ -393,7 +410,7 @@ fn compare_right<const MANY: bool>(
 ) {
     for l in 0..LANES {
         let (mut lowest, mut place) = (least[l], low[l]);
-        for n in 0..TOGETHER {
+        for n in FROM..TO {
             let cost = sums[n][l];
             let lower = lowest.min(cost);
             place = if lower != lowest { bytes(k + n)[0] } else { place };
