@@ -19,10 +19,19 @@ use crate::ui::Ui;
 /// What is read of the record beside a map.
 #[derive(Deserialize)]
 struct Record {
+    /// The images that it was matched from.
+    left: Input,
+    right: Input,
     /// Of the map's file.
     output_sha256: String,
     /// Pixels per reason, as shares.
     reasons: BTreeMap<String, f64>,
+}
+
+#[derive(Deserialize)]
+struct Input {
+    path: String,
+    sha256: String,
 }
 
 /// A disparity map and where it came from.
@@ -62,10 +71,22 @@ impl Map {
     }
 
     /// The left image, for colours. Samples of 16 bits that use few of them would all be black: they are spread over
-    /// all, which is said.
+    /// all, which is said. Where the record beside the map tells that it is the right one a warning says so.
     pub fn image(&self, path: &Path, ui: &Ui) -> anyhow::Result<Image> {
         let image = formats::read_image(path)?;
         self.same_size(path, image.size())?;
+        if let Some(Record { left, right, .. }) = self.record()
+            && left.sha256 != right.sha256
+            && sha256(path)?.is_some_and(|found| found == right.sha256)
+        {
+            ui.warn(format_args!(
+                "{} is the right image of the pair that {} was matched from, and disparities lie over the left \
+                 one: give {}",
+                path.display(),
+                self.path.display(),
+                left.path
+            ));
+        }
         let Some(used) = few_bits(&image, &image) else { return Ok(image) };
         ui.note(format_args!(
             "{}: of 16 bits the upper {} are never used: its colours are made as bright as {used} bits are",
@@ -89,15 +110,17 @@ impl Map {
         }
     }
 
-    /// The share of the disparities that were filled in, by the record beside the map. One of another map, which stood
-    /// there before, tells nothing.
-    fn guesses(&self) -> Option<f64> {
+    /// The record that `hazcam match` leaves beside a map. One of another map, which stood there before, is none.
+    fn record(&self) -> Option<Record> {
         let mut record = self.path.clone().into_os_string();
         record.push(".json");
         let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
-        if sha256(&self.path).ok()?? != record.output_sha256 {
-            return None;
-        }
+        (sha256(&self.path).ok()?? == record.output_sha256).then_some(record)
+    }
+
+    /// The share of the disparities that were filled in, by the record beside the map.
+    fn guesses(&self) -> Option<f64> {
+        let record = self.record()?;
         let share = |filled: &dyn Fn(Reason) -> bool| -> f64 {
             let reasons = Reason::ALL.into_iter().filter(|&reason| filled(reason));
             reasons.filter_map(|reason| record.reasons.get(reason.name())).sum()

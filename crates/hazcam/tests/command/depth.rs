@@ -122,6 +122,26 @@ fn pictures_that_use_few_of_their_bits_have_colours_too() {
 }
 
 #[test]
+fn the_right_image_of_a_pair_is_told_from_the_left_one() {
+    let folder = folder();
+    for (name, at) in [("l.png", 0), ("r.png", 2)] {
+        let image = Image::Grey8(Plane::from_fn(40, 12, |x, y| ((x + at) * 83 % 97 + y) as u8));
+        formats::write_image(folder.path(name), &image).unwrap();
+    }
+    folder.run("match l.png r.png -o m.pfm -m fast --max-disparity 5").done();
+    let told = |image: &str| {
+        let more = format!("--image {image} --points p.ply");
+        folder.run(&format!("depth m.pfm {CAMERA} {more}")).done().stderr
+    };
+    let right = told("r.png");
+    let words = "warning: r.png is the right image of the pair that m.pfm was matched from";
+    assert!(right.contains(words) && right.contains("give l.png"), "{right}");
+    assert!(!told("l.png").contains("the right image"));
+    std::fs::remove_file(folder.path("m.pfm.json")).unwrap();
+    assert!(!told("r.png").contains("the right image"));
+}
+
+#[test]
 fn a_picture_of_uncertainties_says_how_far_it_reaches() {
     let folder = folder();
     // Z^2 e / 200: at 20 m 60 m, at 4 m 2.4 m.

@@ -59,7 +59,8 @@ impl Folder {
         use sha2::Digest as _;
         let digest = sha2::Sha256::digest(std::fs::read(self.path(name)).unwrap());
         let digest: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        let record = format!(r#"{{"output_sha256": "{digest}", "reasons": {reasons}}}"#);
+        let pair = r#""left": {"path": "l.png", "sha256": "l"}, "right": {"path": "r.png", "sha256": "r"}"#;
+        let record = format!(r#"{{{pair}, "output_sha256": "{digest}", "reasons": {reasons}}}"#);
         std::fs::write(self.path(&format!("{name}.json")), record).unwrap();
     }
 
