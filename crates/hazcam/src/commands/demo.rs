@@ -46,8 +46,8 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     let cases = scenes::matching(rendered::demo(), |case| &case.id, args.scenes.as_deref())?;
     let engines = args.engines.definitions(&[], None)?;
-    let mut output = Output::in_folder(args.out, true)?;
-    (output.view, output.in_full) = (View::Regions, true);
+    let mut output = Output::in_folder(args.out, View::Regions, true)?;
+    output.in_full = true;
     let jobs = NonZeroUsize::MIN;
     Contest { cases, engines, reference: None, limits: None, jobs }.run(&args.engines, output, ui)
 }

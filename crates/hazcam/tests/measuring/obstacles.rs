@@ -67,6 +67,12 @@ fn narrow_things_are_missed_more_often_than_wide_ones() {
     let record = folder.path().join("out/obstacles/cards/known/fast.json");
     let record = fs::read_to_string(record).unwrap();
     assert!(record.contains(r#""from_width": 10"#) && record.contains("lie before it"), "{record}");
+    // Tables of another kind take their place in no folder.
+    let others = "bench --data data --use tuning -m fast -o out";
+    run(folder.path(), &others.split(' ').collect::<Vec<_>>(), 0);
+    let kept = fs::read_to_string(folder.path().join("out/obstacles.csv")).unwrap();
+    assert_eq!(kept.replace("\r\n", "\n"), csv.replace("\r\n", "\n"));
+    assert!(folder.path().join("out/scores.csv").exists());
     // Where there is no truth nobody is asked.
     assert!(!folder.path().join("out/obstacles/cards/unknown").exists());
 }
@@ -88,7 +94,7 @@ fn where_nothing_was_measured_what_was_there_stays() {
         "{stderr}"
     );
     assert_eq!(fs::read_to_string(folder.path().join("page.md")).unwrap(), text);
-    assert!(!folder.path().join("out/scores.csv").exists());
+    assert!(!folder.path().join("out/obstacles.csv").exists());
 }
 
 #[test]

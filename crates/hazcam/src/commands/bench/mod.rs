@@ -121,7 +121,8 @@ pub struct Args {
     #[arg(value_parser = super::choice(Format::NAMES))]
     format: String,
 
-    /// Also write a JSON record for every scene and matcher, and the tables, into this folder
+    /// Also write a JSON record for every scene and matcher, and the tables (scores.md, .csv and
+    /// .json, or reliability, obstacles, ablation), into this folder
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
 
@@ -186,7 +187,7 @@ pub fn run(args: Args, ui: &Ui) -> anyhow::Result<ExitCode> {
     };
     let page = args.into.map(|path| Page::open(path, marker)).transpose()?;
     let mut output = match args.out {
-        Some(folder) => Output::in_folder(folder, args.pictures)?,
+        Some(folder) => Output::in_folder(folder, view, args.pictures)?,
         None => Output::default(),
     };
     output.admit(&contest.cases)?;

@@ -15,8 +15,9 @@ use super::pictures;
 use super::tables::{Tables, View};
 use crate::outputs;
 
-/// The whole result for people, in the folder.
-const TABLE: &str = "scores.md";
+/// The whole result, in the folder, by the ends of its files' names.
+const FORMATS: [(&str, Format); 3] =
+    [("md", Format::Markdown), ("csv", Format::Csv), ("json", Format::Json)];
 
 /// What is shown and kept of a run.
 #[derive(Default)]
@@ -38,11 +39,14 @@ pub struct Output {
 
 impl Output {
     /// Keeps everything in a folder, which is made and tried now, so that a bad name shows before the work.
-    pub fn in_folder(folder: PathBuf, pictures: bool) -> anyhow::Result<Self> {
+    pub fn in_folder(folder: PathBuf, view: View, pictures: bool) -> anyhow::Result<Self> {
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        outputs::check(&[outputs::Output::text("--out", folder.join(TABLE), "")], &[])?;
-        Ok(Self { folder: Some(folder), pictures, ..Self::default() })
+        for (end, _) in FORMATS {
+            let table = folder.join(view.file_stem()).with_extension(end);
+            outputs::check(&[outputs::Output::text("--out", table, "")], &[])?;
+        }
+        Ok(Self { folder: Some(folder), view, pictures, ..Self::default() })
     }
 
     /// Errors where the folder is one that a scene comes from: records and pictures would lie among its files, or
@@ -113,13 +117,10 @@ impl Output {
         if let Some(folder) = &self.folder
             && !records.is_empty()
         {
-            for (name, format) in [
-                (TABLE, Format::Markdown),
-                ("scores.csv", Format::Csv),
-                ("scores.json", Format::Json),
-            ] {
+            for (end, format) in FORMATS {
                 let text = tables.render(format);
-                write_atomically(folder.join(name), |writer| writer.write_all(text.as_bytes()))?;
+                let table = folder.join(self.view.file_stem()).with_extension(end);
+                write_atomically(table, |writer| writer.write_all(text.as_bytes()))?;
             }
         }
         if let Some(page) = &self.page

@@ -27,6 +27,18 @@ pub enum View {
     Obstacles,
 }
 
+impl View {
+    /// What files that hold such tables are called: those of one kind are never in the place of another's.
+    pub fn file_stem(self) -> &'static str {
+        match self {
+            Self::Scores | Self::Regions | Self::Strains => "scores",
+            Self::Ablation => "ablation",
+            Self::Reliability => "reliability",
+            Self::Obstacles => "obstacles",
+        }
+    }
+}
+
 /// A run to be shown.
 pub struct Tables<'a> {
     /// What was measured.
