@@ -21,7 +21,7 @@ use crate::engine::{Attempt, Status, Usage, Worker};
 
 pub use coverage::{Coverage, SURE};
 pub use machine::Machine;
-pub use obstacles::{FalseAlarms, Missed, STEPS, WIDTHS};
+pub use obstacles::{FalseAlarms, Missed, STEPS, Sight, WIDTHS, sights};
 pub use scoring::{ConfidenceScore, LEAST_CONFIDENCES, RANKED_BAD, RegionScores, at_least, score};
 
 /// One engine on one scene.

@@ -1,6 +1,7 @@
 //! How much of small obstacles an answer misses, and how much of what is around them it takes for some: what a p_bad
 //! that forgives 2 px does not see.
 
+use raster::Plane;
 use serde::Serialize;
 
 use super::coverage::SURE;
@@ -48,6 +49,37 @@ pub struct FalseAlarms {
     pub surely: Option<usize>,
 }
 
+/// What an answer makes of a pixel of a scene with obstacles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sight {
+    /// Of an obstacle, whose disparity is nearer than that of what is behind.
+    Seen,
+    /// Of an obstacle, as if it were not there.
+    Missed,
+    /// Of what is around them, and looks nearer than it is by the second of [`STEPS`] and more: by less surfaces are off
+    /// as a whole.
+    FalseAlarm,
+}
+
+/// What it makes of each pixel of the box; nothing of those that count for nothing, nor where no obstacles were laid.
+pub fn sights(answer: &Answer, data: &CaseData) -> Option<Plane<Option<Sight>>> {
+    let (obstacles, truth) = (data.obstacles.as_ref()?, data.truth.as_ref()?);
+    let sight = |x: usize, y: usize| {
+        let (truth, behind) = (truth.row(y)[x], obstacles.behind.row(y)[x]);
+        let estimate = answer.disparity.row(y)[x];
+        if !data.bounds.contains(x, y) || !truth.is_finite() {
+            return None;
+        }
+        if obstacles.things.row(y)[x] == 0 {
+            return (estimate - truth >= STEPS[1]).then_some(Sight::FalseAlarm);
+        }
+        // Neither disparity is known everywhere.
+        let is_seen = (estimate - truth).abs() <= (estimate - behind).abs();
+        behind.is_finite().then_some(if is_seen { Sight::Seen } else { Sight::Missed })
+    };
+    Some(Plane::from_fn(truth.columns(), truth.rows(), sight))
+}
+
 /// The pixels of one obstacle whose step is known.
 #[derive(Debug, Clone, Copy, Default)]
 struct Obstacle {
@@ -60,27 +92,23 @@ struct Obstacle {
 /// What an answer makes of the obstacles of a scene; nothing where none were laid.
 pub(super) fn missed(answer: &Answer, data: &CaseData) -> Vec<Missed> {
     let (Some(obstacles), Some(truth)) = (&data.obstacles, &data.truth) else { return Vec::new() };
+    let Some(sights) = sights(answer, data) else { return Vec::new() };
     let mut groups = Groups::new(answer.confidence.is_some());
     let mut each = vec![Obstacle::default(); obstacles.widths.len()];
     for (x, y) in data.bounds.pixels() {
         let Some(of) = (obstacles.things.row(y)[x] as usize).checked_sub(1) else { continue };
-        let (truth, behind) = (truth.row(y)[x], obstacles.behind.row(y)[x]);
-        let step = truth - behind;
-        // Neither disparity is known everywhere.
-        if !step.is_finite() {
-            continue;
-        }
-        let estimate = answer.disparity.row(y)[x];
-        let is_seen = (estimate - truth).abs() <= (estimate - behind).abs();
+        let Some(sight) = sights.row(y)[x] else { continue };
+        let step = truth.row(y)[x] - obstacles.behind.row(y)[x];
+        let is_missed = sight == Sight::Missed;
         each[of].pixels += 1;
-        each[of].missed += usize::from(!is_seen);
+        each[of].missed += usize::from(is_missed);
         each[of].steps += step;
         let Some(group) = groups.of(obstacles.widths[of], step) else { continue };
         group.pixels += 1;
-        group.missed += usize::from(!is_seen);
+        group.missed += usize::from(is_missed);
         if let (Some(confidence), Some(surely)) = (&answer.confidence, &mut group.surely) {
-            let is_sure = estimate.is_finite() && confidence.row(y)[x] >= SURE;
-            *surely += usize::from(!is_seen && is_sure);
+            let is_sure = answer.disparity.row(y)[x].is_finite() && confidence.row(y)[x] >= SURE;
+            *surely += usize::from(is_missed && is_sure);
         }
     }
     for (one, &width) in each.iter().zip(&obstacles.widths).filter(|(one, _)| one.pixels >= KNOWN) {
@@ -155,7 +183,7 @@ fn beginnings<T>(ends: &[T]) -> &[T] {
 
 #[cfg(test)]
 mod tests {
-    use raster::{DisparityRange, Image, Plane};
+    use raster::{DisparityRange, Image};
 
     use super::*;
     use crate::dataset::Obstacles;
@@ -171,7 +199,7 @@ mod tests {
             reasons: None,
             confidence: Some(row([0.5, 0.9, 0.9, 0.9, 0.4, 0.9])),
         };
-        assert!(missed(&answer, &data).is_empty());
+        assert!(missed(&answer, &data).is_empty() && sights(&answer, &data).is_none());
         data.truth = Some(row([6.0, 6.0, 6.0, 6.0, 7.0, hole]));
         data.obstacles = Some(Obstacles {
             behind: row([5.0; 6]),
@@ -189,6 +217,9 @@ mod tests {
         assert_eq!(of(10, 0.7), (0, 0, Some(0)));
         // Of four pixels nobody says whether the thing is seen.
         assert!(found.iter().all(|m| m.obstacles == 0));
+        let [seen, missed_one] = [Some(Sight::Seen), Some(Sight::Missed)];
+        let each = [missed_one, seen, seen, missed_one, missed_one, None];
+        assert_eq!(sights(&answer, &data).unwrap().row(0), each);
         let silent = Answer { confidence: None, ..answer };
         assert_eq!(missed(&silent, &data)[0].surely, None);
         data.bounds = raster::BoundingBox::new(1, 0, 2, 0).unwrap();
@@ -246,5 +277,8 @@ mod tests {
         let found: Vec<_> = found.map(|f| (f.from_step, f.pixels, f.nearer, f.surely)).collect();
         let expected = [(0.7, 4, 1, Some(1)), (1.5, 4, 0, Some(0)), (3.0, 4, 1, Some(0))];
         assert_eq!(found, expected);
+        let far_nearer = sights(&answer, &data).unwrap();
+        let [alarm, seen] = [Some(Sight::FalseAlarm), Some(Sight::Seen)];
+        assert_eq!(far_nearer.row(0), [None, None, alarm, seen, None, None]);
     }
 }

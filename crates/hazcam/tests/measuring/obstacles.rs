@@ -31,8 +31,7 @@ fn narrow_things_are_missed_more_often_than_wide_ones() {
     data(folder.path());
     let page = folder.path().join("page.md");
     fs::write(&page, "<!-- obstacles -->\n<!-- /obstacles -->\n").unwrap();
-    let command =
-        "bench --data data --obstacles -m fast -m balanced --format csv --into page.md -o out";
+    let command = "bench --data data --obstacles -m fast -m balanced --format csv --into page.md -o out --pictures";
     let (csv, _) = run(folder.path(), &command.split(' ').collect::<Vec<_>>(), 0);
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     let names = ["smaller side px", "step px", "matcher", "missed %", "surely %", "overlooked %"];
@@ -67,6 +66,14 @@ fn narrow_things_are_missed_more_often_than_wide_ones() {
     let record = folder.path().join("out/obstacles/cards/known/fast.json");
     let record = fs::read_to_string(record).unwrap();
     assert!(record.contains(r#""from_width": 10"#) && record.contains("lie before it"), "{record}");
+    let picture = folder.path().join("out/obstacles/cards/known/balanced-obstacles.png");
+    let raster::Image::Rgb8(picture) = formats::read_image(picture).unwrap() else {
+        panic!("grey")
+    };
+    let of = |is_so: fn(&[u8; 3]) -> bool| picture.samples().iter().filter(|p| is_so(p)).count();
+    let green = of(|[r, g, b]| *g > r.saturating_add(60) && *g > b.saturating_add(60));
+    let red = of(|[r, g, b]| *r > g.saturating_add(100) && *r > b.saturating_add(100));
+    assert!(green > red && red > 0, "{green} pixels are green, {red} red");
     // Tables of another kind take their place in no folder.
     let others = "bench --data data --use tuning -m fast -o out";
     run(folder.path(), &others.split(' ').collect::<Vec<_>>(), 0);

@@ -126,7 +126,9 @@ pub struct Args {
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
 
-    /// Write left image, truth, disparities (turbo) and errors (KITTI's colours) there as well
+    /// Write left image, truth, disparities (turbo) and errors (KITTI's colours) there as well; with
+    /// --obstacles also where these are seen (green) and missed (red), and what looks 1.5 px nearer
+    /// than it is and more (yellow)
     #[arg(long, requires = "out", help_heading = "Output")]
     pictures: bool,
 

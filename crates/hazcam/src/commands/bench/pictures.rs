@@ -4,6 +4,7 @@ use std::path::Path;
 
 use arena::dataset::CaseData;
 use arena::engine::Answer;
+use arena::record::{Sight, sights};
 use camera::DISPARITY_ERROR;
 use formats::picture::{self, ColourMap};
 use formats::{View, write_view};
@@ -52,7 +53,8 @@ pub fn write_truth(folder: &Path, data: &CaseData) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// `ENGINE.png` with the disparities inside the box, and `ENGINE-error.png` where there is truth.
+/// `ENGINE.png` with the disparities inside the box, `ENGINE-error.png` where there is truth, and `ENGINE-obstacles.png`
+/// where obstacles were laid.
 pub fn write_answer(
     folder: &Path,
     engine: &str,
@@ -65,7 +67,26 @@ pub fn write_answer(
         let errors = picture::log_error(&estimate, &inside(truth, data), seen_by_both(data))?;
         picture::write_png_rgb(folder.join(format!("{engine}-error.png")), &errors)?;
     }
+    if let Some(sights) = sights(answer, data) {
+        let obstacles = over(&data.left, &sights);
+        picture::write_png_rgb(folder.join(format!("{engine}-obstacles.png")), &obstacles)?;
+    }
     Ok(())
+}
+
+/// Obstacles over the left image: green where they are seen, red where they are missed, yellow what looks nearer than it is.
+fn over(left: &Image, sights: &Plane<Option<Sight>>) -> Plane<[u8; 3]> {
+    let left = picture::image(left);
+    Plane::from_fn(left.columns(), left.rows(), |x, y| {
+        let pixel = left.row(y)[x];
+        let colour: [u8; 3] = match sights.row(y)[x] {
+            None => return pixel,
+            Some(Sight::Seen) => [0, 160, 0],
+            Some(Sight::Missed) => [255, 0, 0],
+            Some(Sight::FalseAlarm) => [255, 220, 0],
+        };
+        std::array::from_fn(|i| (u16::from(pixel[i]) / 3 + 2 * u16::from(colour[i]) / 3) as u8)
+    })
 }
 
 /// A page of the points inside the box.
