@@ -75,13 +75,13 @@ fn understood(
             Ok(ReadDisparity { note, ..floats(values, Encoding::Npy) })
         }
         Container::Tiff => match tiff::decode(source)? {
-            tiff::Content::Floats(values) => {
+            tiff::Content::Floats(values, _) => {
                 demand(source, container, encoding, Encoding::Tiff)?;
                 Ok(floats(values, Encoding::Tiff))
             }
             tiff::Content::Picture(_) => Err(source.wrong_kind(
                 "a TIFF of integers",
-                "a disparity map as TIFF holds float32; integers do not say their scale",
+                "a disparity map as TIFF holds floats; integers do not say their scale",
             )),
         },
         _ => from_grey(source, container, encoding),

@@ -61,7 +61,7 @@ pub(crate) fn decode(source: &Source, container: Container) -> Result<Decoded, F
         Container::Jpeg => jpeg::decode(source),
         Container::Tiff => match tiff::decode(source)? {
             tiff::Content::Picture(decoded) => Ok(decoded),
-            tiff::Content::Floats(_) => Err(wrong("floats")),
+            tiff::Content::Floats(..) => Err(wrong("floats")),
         },
         Container::Pfm => Err(wrong("floats")),
         Container::Npy => Err(wrong("numbers")),

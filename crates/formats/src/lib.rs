@@ -26,7 +26,7 @@
 //! | KITTI | `png16/256` | uint16 / 256 | 0 | `.png`, 0 |
 //! | Middlebury 2003 (Cones, Teddy) | `png8/4` | uint8 / 4 | 0 | no |
 //! | Middlebury 2005 and 2006 | `png8/3`, `png8/2`, `png8/1` at third, half, full size | uint8 / 3, / 2, / 1 | 0 | no |
-//! | TIFF | `tiff` | float32 | infinite, NaN | `.tiff`, `.tif`, NaN |
+//! | TIFF | `tiff` | float16 to float64 | infinite, NaN | `.tiff`, `.tif`, float32, NaN |
 //!
 //! Integers do not say their scale, and a map at the wrong scale looks right and scores as almost
 //! all wrong: [`ReadDisparity::note`] tells what was assumed.

@@ -89,9 +89,13 @@ fn largest_difference<const N: usize>(a: &Plane<[u8; N]>, b: &Plane<[u8; N]>) ->
 
 #[test]
 fn float_maps_are_exact() {
-    let read = read_disparity(foreign("float.tif"), Encoding::Auto).unwrap();
-    assert_eq!(read.encoding, Encoding::Tiff);
-    assert_eq!(read.values, plane(|x, y| x as f32 + y as f32 / 4.0));
+    for name in ["float.tif", "float16.tif", "float64.tif"] {
+        let read = read_disparity(foreign(name), Encoding::Auto).unwrap();
+        assert_eq!(read.encoding, Encoding::Tiff);
+        assert_eq!(read.values, plane(|x, y| x as f32 + y as f32 / 4.0), "{name}");
+    }
+    let told = formats::inspect(foreign("float64.tif")).unwrap().to_string();
+    assert!(told.contains("TIFF of float64, "), "{told}");
     let read = read_disparity(foreign("float64_fortran.npy"), Encoding::Npy).unwrap();
     assert_eq!(read.values, plane(|x, y| x as f32 - y as f32 / 2.0));
     assert_eq!(npy::read_plane::<[u8; 3]>(foreign("colour.npy")).unwrap(), plane(colour));

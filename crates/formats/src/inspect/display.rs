@@ -28,8 +28,8 @@ impl fmt::Display for FileInfo {
                 readings(f, as_disparities)?;
                 unused.iter().try_for_each(|what| write!(f, "\n  not used     {what}"))
             }
-            FileContent::Floats { format, columns, rows, values } => {
-                writeln!(f, "{path}: {} of float32, {bytes} bytes", format.name())?;
+            FileContent::Floats { format, columns, rows, bits, values } => {
+                writeln!(f, "{path}: {} of float{bits}, {bytes} bytes", format.name())?;
                 writeln!(f, "  size         {columns} x {rows}")?;
                 write!(f, "  values       {values}")
             }

@@ -58,6 +58,8 @@ pub enum FileContent {
         columns: usize,
         /// Height in pixels.
         rows: usize,
+        /// Bits per float.
+        bits: u8,
         /// Over the finite values.
         values: Statistics,
     },
@@ -143,9 +145,9 @@ pub fn inspect_bytes(path: impl AsRef<Path>, bytes: Vec<u8>) -> Result<FileInfo,
 fn look_into(source: Source) -> Result<FileInfo, FormatError> {
     let content = match Container::of(&source.bytes) {
         Some(Container::Npy) => array(&source)?,
-        Some(Container::Pfm) => floats(Container::Pfm, &pfm::decode(&source)?),
+        Some(Container::Pfm) => floats(Container::Pfm, &pfm::decode(&source)?, 32),
         Some(Container::Tiff) => match tiff::decode(&source)? {
-            tiff::Content::Floats(values) => floats(Container::Tiff, &values),
+            tiff::Content::Floats(values, bits) => floats(Container::Tiff, &values, bits),
             tiff::Content::Picture(decoded) => picture(Container::Tiff, &decoded, &source),
         },
         Some(container) => picture(container, &image::decode(&source, container)?, &source),
@@ -163,10 +165,10 @@ fn look_into(source: Source) -> Result<FileInfo, FormatError> {
     Ok(FileInfo { bytes: source.bytes.len() as u64, path: source.path, content })
 }
 
-fn floats(format: Container, values: &Plane<f32>) -> FileContent {
+fn floats(format: Container, values: &Plane<f32>, bits: u8) -> FileContent {
     let (columns, rows) = values.size();
     let values = Statistics::of(values.samples().iter().map(|&v| f64::from(v)));
-    FileContent::Floats { format, columns, rows, values }
+    FileContent::Floats { format, columns, rows, bits, values }
 }
 
 fn array(source: &Source) -> Result<FileContent, FormatError> {

@@ -1,4 +1,4 @@
-//! TIFF and BigTIFF by the crate `tiff`: grey and RGB of 8 and 16 bit, and float32 for
+//! TIFF and BigTIFF by the crate `tiff`: grey and RGB of 8 and 16 bit, and floats of 16 to 64 bit for
 //! disparities; plain, LZW, Deflate or PackBits. A file has one picture, beside which smaller copies of it and
 //! masks may lie; alpha is dropped (the colour samples stay as stored).
 
@@ -25,8 +25,8 @@ const LARGEST_RATIO: u64 = 2560;
 pub(crate) enum Content {
     /// Grey or colour of 8 or 16 bit.
     Picture(Decoded),
-    /// One float a pixel; not finite becomes NaN.
-    Floats(Plane<f32>),
+    /// One float a pixel, which had so many bits; what is not finite as a float of 32 becomes NaN.
+    Floats(Plane<f32>, u8),
 }
 
 /// The sample format of floats.
@@ -39,8 +39,7 @@ const LZW: u16 = 5;
 const GREY_WITH_ALPHA_8: ColorType = ColorType::Multiband { bit_depth: 8, num_samples: 2 };
 const GREY_WITH_ALPHA_16: ColorType = ColorType::Multiband { bit_depth: 16, num_samples: 2 };
 /// What is read.
-const SAMPLES: &str =
-    "unsigned grey or RGB of 8 or 16 bit, or float32 for disparities, is needed: save it so";
+const SAMPLES: &str = "unsigned grey or RGB of 8 or 16 bit, or one float a pixel for disparities, is needed: save it so";
 
 /// Decodes the picture of a TIFF file.
 pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
@@ -59,7 +58,7 @@ pub(crate) fn decode(source: &Source) -> Result<Content, FormatError> {
     // One of each sample.
     let kinds = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(failed)?;
     let is_floats = kinds.is_some_and(|kinds| kinds.contains(&FLOATS));
-    if color == ColorType::Gray(32) && is_floats && white == Some(0) {
+    if color.num_samples() == 1 && is_floats && white == Some(0) {
         return Err(source.wrong_kind(
             "a TIFF of floats in which 0 is white",
             "save it with 0 as black (photometric `minisblack`)",
@@ -152,11 +151,20 @@ fn content(
 ) -> Result<Content, FormatError> {
     let wrong_size = |e: raster::SizeError| source.malformed(FORMAT, None, e.to_string());
     let stored = |samples, bits, exact| Stored { samples, bits, exact };
+    let floats = |mut values: Vec<f32>, bits| {
+        for value in values.iter_mut().filter(|value| !value.is_finite()) {
+            *value = f32::NAN;
+        }
+        let plane = Plane::new(columns, rows, values).map_err(wrong_size)?;
+        Ok(Content::Floats(plane, bits))
+    };
     let (image, stored) = match (color, samples) {
-        (ColorType::Gray(32), DecodingResult::F32(values)) => {
-            let keep = |v: f32| if v.is_finite() { v } else { f32::NAN };
-            let values = values.into_iter().map(keep).collect();
-            return Plane::new(columns, rows, values).map(Content::Floats).map_err(wrong_size);
+        (ColorType::Gray(_), DecodingResult::F16(v)) => {
+            return floats(v.into_iter().map(f32::from).collect(), 16);
+        }
+        (ColorType::Gray(_), DecodingResult::F32(v)) => return floats(v, 32),
+        (ColorType::Gray(_), DecodingResult::F64(v)) => {
+            return floats(v.into_iter().map(|v| v as f32).collect(), 64);
         }
         (ColorType::Gray(8), DecodingResult::U8(v)) => {
             (Plane::new(columns, rows, v).map(Image::Grey8), stored("grey", 8, true))
@@ -210,7 +218,7 @@ fn explain(source: &Source, error: TiffError) -> FormatError {
         // Some list what all samples have, of which a file may claim thousands.
         TiffError::UnsupportedError(what) => source.wrong_kind(
             format!("a TIFF of a kind that is not read ({:.100})", what.to_string()),
-            "save it uncompressed or with LZW or Deflate, 8 or 16 bit grey or RGB, or float32",
+            "save it uncompressed or with LZW or Deflate, 8 or 16 bit grey or RGB, or floats",
         ),
         TiffError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => source.malformed(
             FORMAT,
