@@ -99,7 +99,8 @@ fn taken<T: Copy>(samples: &mut Vec<T>, count: usize, value: T) {
 /// Lets the pixels of some rows of `scene` choose, into `out`: all, or those that see where the map `moved`
 /// in the round before. `certainty` says how sure the judge is where there is anything to choose. Each of
 /// the `workers` takes a few rows after the others until none are left: where a map is wrong there is more to
-/// choose, so equal parts would not be done at the same time.
+/// choose, so equal parts would not be done at the same time. Every second one begins at the other end: what it has
+/// noted of these rows is in its processor's own cache.
 fn choose(
     level: Level,
     (reach, judge): (&Reach, &Judge),
@@ -115,11 +116,14 @@ fn choose(
     let certainty = certainty.samples_mut()[samples.clone()].chunks_mut(TOGETHER * columns);
     let lines = out.samples_mut()[samples.clone()].chunks_mut(TOGETHER * columns).zip(certainty);
     let lines = Mutex::new(rows.step_by(TOGETHER).zip(lines));
-    let next = || lines.lock().expect("no worker fails while it takes rows").next();
-    let chosen = workers.par_iter_mut().map(|worker| {
+    let next = |from_top: bool| {
+        let mut lines = lines.lock().expect("no worker fails while it takes rows");
+        if from_top { lines.next() } else { lines.next_back() }
+    };
+    let chosen = workers.par_iter_mut().enumerate().map(|(i, worker)| {
         let Worker { windows, marks, counts, unsettled, block, mind } = worker;
         let mut chosen = 0;
-        while let Some((first, (out, certainty))) = next() {
+        while let Some((first, (out, certainty))) = next(i.is_multiple_of(2)) {
             let before = first * columns..first * columns + out.len();
             out.copy_from_slice(&scene.values.samples()[before.clone()]);
             match moved {
