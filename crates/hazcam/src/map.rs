@@ -1,6 +1,7 @@
 //! A disparity map from its file, with what lies over it pixel for pixel: the left image, how sure each
 //! pixel is and why, the truth.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -39,6 +40,8 @@ pub struct Map {
     path: PathBuf,
     /// In pixels, NaN where there is none.
     pub disparities: Plane<f32>,
+    /// What lies beside it, once somebody has asked: the whole map is read for that.
+    record: OnceCell<Option<Record>>,
 }
 
 /// The SHA-256 of a file in hexadecimal digits; none for a pipe, which can be read only once.
@@ -67,17 +70,17 @@ impl Map {
         if let Some(doubt) = camera::too_large(&disparities) {
             ui.warn(format_args!("{}: {doubt}", path.display()));
         }
-        Ok(Self { path: path.to_owned(), disparities })
+        Ok(Self { path: path.to_owned(), disparities, record: OnceCell::new() })
     }
 
     /// The left image, for colours. Samples of 16 bits that use few of them would all be black: they are spread over
     /// all, which is said. Where the record beside the map tells that it is the right one a warning says so.
     pub fn image(&self, path: &Path, ui: &Ui) -> anyhow::Result<Image> {
-        let image = formats::read_image(path)?;
+        let (image, bytes) = formats::read_image_and_bytes(path)?;
         self.same_size(path, image.size())?;
         if let Some(Record { left, right, .. }) = self.record()
             && left.sha256 != right.sha256
-            && sha256(path)?.is_some_and(|found| found == right.sha256)
+            && sha256_of(&bytes) == right.sha256
         {
             ui.warn(format_args!(
                 "{} is the right image of the pair that {} was matched from, and disparities lie over the left \
@@ -111,11 +114,14 @@ impl Map {
     }
 
     /// The record that `hazcam match` leaves beside a map. One of another map, which stood there before, is none.
-    fn record(&self) -> Option<Record> {
-        let mut record = self.path.clone().into_os_string();
-        record.push(".json");
-        let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
-        (sha256(&self.path).ok()?? == record.output_sha256).then_some(record)
+    fn record(&self) -> Option<&Record> {
+        let read = || {
+            let mut record = self.path.clone().into_os_string();
+            record.push(".json");
+            let record: Record = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
+            (sha256(&self.path).ok()?? == record.output_sha256).then_some(record)
+        };
+        self.record.get_or_init(read).as_ref()
     }
 
     /// The share of the disparities that were filled in, by the record beside the map.

@@ -91,8 +91,11 @@ struct Obstacle {
 
 /// What an answer makes of the obstacles of a scene; nothing where none were laid.
 pub(super) fn missed(answer: &Answer, data: &CaseData) -> Vec<Missed> {
-    let (Some(obstacles), Some(truth)) = (&data.obstacles, &data.truth) else { return Vec::new() };
-    let Some(sights) = sights(answer, data) else { return Vec::new() };
+    let (Some(obstacles), Some(truth), Some(sights)) =
+        (&data.obstacles, &data.truth, sights(answer, data))
+    else {
+        return Vec::new();
+    };
     let mut groups = Groups::new(answer.confidence.is_some());
     let mut each = vec![Obstacle::default(); obstacles.widths.len()];
     for (x, y) in data.bounds.pixels() {

@@ -48,16 +48,15 @@ pub fn measurements_table(runs: &[Run]) -> Table {
 /// as long the peer takes, hazcam's rate and both peaks of memory. How many times as long it takes on each other
 /// machine stands in a column of that machine.
 pub fn peers_table(runs: &[Run]) -> Table {
-    let machines = latest_first(runs);
+    let (latest, others) = latest_and_others(runs);
     let mut columns = ["scene", "size", "threads"].map(Column::grouped).to_vec();
     columns.extend(
         ["matcher", "peer", "ms", "peer ms", "ratio", "MDE/s", "MB", "peer MB"].map(Column::new),
     );
-    let others = machines.iter().skip(1);
-    columns.extend(others.map(|machine| Column::new(format!("ratio on {machine}"))));
+    columns.extend(others.iter().map(|machine| Column::new(format!("ratio on {machine}"))));
     let mut table = Table { columns, rows: Vec::new() };
     let met = |run: &Run, (engine, peer)| run.of(engine).is_some() && run.of(peer).is_some();
-    for run in runs.iter().filter(|run| Some(&&run.machine) == machines.first()) {
+    for run in runs.iter().filter(|run| Some(&run.machine) == latest) {
         for (engine, peer) in PEERS.into_iter().filter(|pair| met(run, *pair)) {
             let measured = [engine, peer].map(|name| run.of(name));
             let [own, other] = measured.map(|found| found.and_then(|found| found.median()));
@@ -68,9 +67,9 @@ pub fn peers_table(runs: &[Run]) -> Table {
             row.push(Cell::number(run.ratio(engine, peer), 2));
             row.push(Cell::number(own.map(|seconds| run.rate(seconds) / 1e6), 0));
             row.extend(memory.map(megabytes));
-            row.extend(machines.iter().skip(1).map(|machine| {
+            row.extend(others.iter().map(|&machine| {
                 let same =
-                    runs.iter().find(|other| other.machine == **machine && run.asks_as(other));
+                    runs.iter().find(|other| other.machine == *machine && run.asks_as(other));
                 Cell::number(same.and_then(|other| other.ratio(engine, peer)), 2)
             }));
             table.push(row);
@@ -82,8 +81,8 @@ pub fn peers_table(runs: &[Run]) -> Table {
 /// One row for each run of the machine that measured last, a column for each engine: nanoseconds per pixel and
 /// disparity, which stay the same from size to size where time grows with the work alone.
 pub fn sweep_table(runs: &[Run]) -> Table {
-    let machine = latest_first(runs).first().copied();
-    let runs = || runs.iter().filter(|run| Some(&run.machine) == machine);
+    let (latest, _) = latest_and_others(runs);
+    let runs = || runs.iter().filter(|run| Some(&run.machine) == latest);
     let engines = in_order(runs().flat_map(|run| &run.measurements).map(|found| &*found.engine));
     let mut columns = ["size", "Mpixel", "threads"].map(Column::new).to_vec();
     columns.extend(engines.iter().map(|engine| Column::new(format!("{engine} ns"))));
@@ -101,17 +100,17 @@ pub fn sweep_table(runs: &[Run]) -> Table {
     table
 }
 
-/// Every machine once, the one that measured last before the others.
-fn latest_first(runs: &[Run]) -> Vec<&Machine> {
+/// The machine that measured last, and each of the others once.
+fn latest_and_others(runs: &[Run]) -> (Option<&Machine>, Vec<&Machine>) {
     // Of several that measured on that day, the last in the record.
     let latest = runs.iter().max_by_key(|run| &run.date).map(|run| &run.machine);
-    let others = runs.iter().map(|run| &run.machine);
-    latest.into_iter().chain(others).fold(Vec::new(), |mut machines, machine| {
-        if !machines.contains(&machine) {
-            machines.push(machine);
+    let mut others: Vec<&Machine> = Vec::new();
+    for machine in runs.iter().map(|run| &run.machine) {
+        if Some(machine) != latest && !others.contains(&machine) {
+            others.push(machine);
         }
-        machines
-    })
+    }
+    (latest, others)
 }
 
 fn place(run: &Run) -> [Cell; 3] {

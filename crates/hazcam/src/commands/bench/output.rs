@@ -15,9 +15,11 @@ use super::pictures;
 use super::tables::{Tables, View};
 use crate::outputs;
 
-/// The whole result, in the folder, by the ends of its files' names.
-const FORMATS: [(&str, Format); 3] =
-    [("md", Format::Markdown), ("csv", Format::Csv), ("json", Format::Json)];
+/// The files of a folder that hold the whole result, and how each does.
+fn tables_in(folder: &Path, view: View) -> [(PathBuf, Format); 3] {
+    [("md", Format::Markdown), ("csv", Format::Csv), ("json", Format::Json)]
+        .map(|(end, format)| (folder.join(view.file_stem()).with_extension(end), format))
+}
 
 /// What is shown and kept of a run.
 #[derive(Default)]
@@ -42,8 +44,7 @@ impl Output {
     pub fn in_folder(folder: PathBuf, view: View, pictures: bool) -> anyhow::Result<Self> {
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        for (end, _) in FORMATS {
-            let table = folder.join(view.file_stem()).with_extension(end);
+        for (table, _) in tables_in(&folder, view) {
             outputs::check(&[outputs::Output::text("--out", table, "")], &[])?;
         }
         Ok(Self { folder: Some(folder), view, pictures, ..Self::default() })
@@ -117,9 +118,8 @@ impl Output {
         if let Some(folder) = &self.folder
             && !records.is_empty()
         {
-            for (end, format) in FORMATS {
+            for (table, format) in tables_in(folder, self.view) {
                 let text = tables.render(format);
-                let table = folder.join(self.view.file_stem()).with_extension(end);
                 write_atomically(table, |writer| writer.write_all(text.as_bytes()))?;
             }
         }
